@@ -1,0 +1,37 @@
+# Each target makes its own .venv on a machine with Python >= 3.11, pip and venv. `make help` lists them.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: help walk test check clean
+
+help:
+	@echo "make walk    install, walk the hexapod in simulation, leave walk.gif"
+	@echo "make test    install and run all tests"
+	@echo "make check   lint and type check"
+	@echo "make clean   remove .venv and what the tools leave behind"
+
+walk: .venv/runtime
+	$(BIN)/robotwalk walk hexapod --speed 0.1 --duration 10 --gif walk.gif
+
+test: .venv/dev
+	$(BIN)/python -m pytest -n auto
+
+check: .venv/dev
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+.venv/bin/python:
+	$(PYTHON) -m venv .venv
+
+# Groups of development dependencies need pip 25.1; a new venv may have an older one.
+.venv/runtime: .venv/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
+	$(BIN)/python -m pip install --quiet --editable .
+	@touch $@
+
+.venv/dev: .venv/runtime
+	$(BIN)/python -m pip install --quiet --group dev
+	@touch $@
+
+clean:
+	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis dist walk.gif

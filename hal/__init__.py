@@ -1,0 +1,1 @@
+"""Servos and wires. Knows nothing of walking: one could drive a robot arm with it."""

@@ -1,0 +1,22 @@
+"""How a servo follows its goals, from its data."""
+
+from hal.register_map import ServoModel
+from robotwalk.types import DriveResponse
+
+
+def response(model: ServoModel) -> DriveResponse:
+    """Return the small-signal response of a servo's position loop at its rated voltage and default gain.
+
+    The loop makes a spring of stiffness k = kt V / R x (duty per rad) against the armature; back-EMF and
+    viscous friction damp it. The load's inertia and Coulomb friction are left out.
+    """
+    loop, motor = model.position_loop, model.motor
+    gain = model[loop.proportional].default or 0
+    duty_per_rad = gain / loop.divisor / model.encoder.radians_per_tick / loop.pwm_full_scale
+    rated = model.specification.rated
+    stiffness = motor.torque_constant_nm_per_a / motor.resistance_ohm * rated.voltage_v * duty_per_rad
+    return DriveResponse(
+        damping=(motor.back_emf_damping + motor.viscous_nms) / stiffness,
+        inertia=motor.armature_kgm2 / stiffness,
+        max_speed=rated.no_load_speed,
+    )

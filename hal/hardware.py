@@ -1,0 +1,79 @@
+"""A robot's `hardware` section: which servo moves which joint, on which bus.
+
+It is kept apart from the skeleton, so that one skeleton can take other servos.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class BusConfig(_Section):
+    """One serial line."""
+
+    port: str
+    baud: Annotated[int, Field(gt=0)]
+
+
+class JointWiring(_Section):
+    """The servo of one joint."""
+
+    bus: str
+    id: Annotated[int, Field(ge=0, le=252)]
+    servo: str
+    direction: Literal[1, -1]  # -1: the servo's counts fall as the joint's angle grows
+    zero_deg: float  # the joint's angle where the servo reads its centre
+
+
+class HardwareConfig(_Section):
+    """All of it."""
+
+    buses: Annotated[dict[str, BusConfig], Field(min_length=1)]
+    joints: dict[str, JointWiring]
+
+
+class Problem(NamedTuple):
+    """Something wrong that the schema alone cannot see."""
+
+    path: tuple[str, ...]  # within the section
+    what: str
+    got: Any
+
+
+def problems(
+    config: HardwareConfig, joints: Mapping[str, tuple[float, float]], servos: Mapping[str, tuple[float, float]]
+) -> Iterator[Problem]:
+    """Find joints and servos that do not fit together.
+
+    Args:
+        config: the section.
+        joints: the skeleton's joints, each with its limits in degrees.
+        servos: the known servo models, each with its range in degrees from the centre.
+    """
+    for missing in [name for name in joints if name not in config.joints]:
+        yield Problem(("joints",), f"joint {missing!r} has no servo", None)
+    taken: dict[tuple[str, int], str] = {}
+    for name, wiring in config.joints.items():
+        path = ("joints", name)
+        if name not in joints:
+            yield Problem(path, f"the skeleton has no such joint; it has {', '.join(joints)}", None)
+        if wiring.bus not in config.buses:
+            yield Problem((*path, "bus"), f"no such bus; there are {', '.join(config.buses)}", wiring.bus)
+        other = taken.setdefault((wiring.bus, wiring.id), name)
+        if other != name:
+            yield Problem((*path, "id"), f"already the id of {other} on bus {wiring.bus!r}", wiring.id)
+        if wiring.servo not in servos:
+            yield Problem((*path, "servo"), f"no such servo; there are {', '.join(servos)}", wiring.servo)
+        elif name in joints:
+            low, high = (wiring.direction * (limit - wiring.zero_deg) for limit in joints[name])
+            reach = servos[wiring.servo]
+            if min(low, high) < reach[0] or max(low, high) > reach[1]:
+                yield Problem(
+                    (*path, "zero_deg"),
+                    f"the joint's limits {joints[name][0]:.1f} to {joints[name][1]:.1f} deg leave the servo's range "
+                    f"of {reach[0]:.0f} to {reach[1]:.0f} deg about its centre", wiring.zero_deg)

@@ -1,0 +1,210 @@
+"""A servo model as data: the schema of `configs/servos/*.yaml`.
+
+Registers, units and data-sheet figures. What is done with them lies elsewhere: encoding in `hal.encoding`,
+a servo's behaviour in `sim_backend`.
+"""
+
+import itertools
+import math
+from collections.abc import Iterator
+from enum import StrEnum
+from functools import cached_property
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+_SI_UNITS = {"rpm": 2.0 * math.pi / 60.0, "rev/min^2": 2.0 * math.pi / 3600.0, "us": 1e-6, "ms": 1e-3, "%": 1e-2}
+
+
+class Row(BaseModel):
+    """Base of everything read from a file: unknown keys, NaN and infinities are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Access(StrEnum):
+    """Who may write a register."""
+
+    READ = "r"
+    READ_WRITE = "rw"
+
+
+class Memory(StrEnum):
+    """Whether a register outlives power."""
+
+    EEPROM = "eeprom"
+    RAM = "ram"
+
+
+class Register(Row):
+    """One row of a control table. Range and default are raw counts, as on the wire."""
+
+    name: str
+    address: Annotated[int, Field(ge=0, le=65535)]
+    size: Literal[1, 2, 4]
+    access: Access
+    memory: Memory
+    signed: bool = False
+    unit: str = ""  # of one count times `scale`
+    scale: float = 1.0
+    range: tuple[int, int] | None = None
+    choices: tuple[int, ...] | None = None  # the only values allowed, where the range has holes
+    default: int | None = None  # None: measured, or set up by the firmware at start
+
+    @property
+    def end(self) -> int:
+        """The address behind the last byte."""
+        return self.address + self.size
+
+    @property
+    def si_scale(self) -> float:
+        """The value of one count in the unit's SI counterpart."""
+        return self.scale * _SI_UNITS.get(self.unit, 1.0)
+
+
+class Encoder(Row):
+    """How position counts relate to the output shaft."""
+
+    ticks_per_turn: Annotated[int, Field(gt=0)]
+    centre: int  # counts at the middle of the range: 0 rad
+
+    @property
+    def radians_per_tick(self) -> float:
+        """The angle of one count."""
+        return 2.0 * math.pi / self.ticks_per_turn
+
+    @property
+    def range_deg(self) -> tuple[float, float]:
+        """The angles of one turn's first and last count, from the centre."""
+        degrees = 360.0 / self.ticks_per_turn
+        return -self.centre * degrees, (self.ticks_per_turn - 1 - self.centre) * degrees
+
+
+class Cyclic(Row):
+    """The registers of the exchange in every tick."""
+
+    goal: str
+    effort: str
+    effort_full_scale: Annotated[int, Field(gt=0)]  # counts at the servo's largest output
+    velocity: str
+    position: str
+
+
+class OperatingPoint(Row):
+    """The data sheet's figures at one supply voltage."""
+
+    voltage_v: Annotated[float, Field(gt=0)]
+    stall_torque_nm: Annotated[float, Field(gt=0)]
+    stall_current_a: Annotated[float, Field(gt=0)]
+    no_load_rpm: Annotated[float, Field(gt=0)]
+
+    @property
+    def no_load_speed(self) -> float:
+        """Speed without load, rad/s."""
+        return self.no_load_rpm * 2.0 * math.pi / 60.0
+
+
+class Specification(Row):
+    """The data sheet."""
+
+    source: str
+    rated: OperatingPoint
+    others: tuple[OperatingPoint, ...] = ()
+    mass_g: Annotated[float, Field(gt=0)]
+    gear_ratio: Annotated[float, Field(gt=0)]
+
+
+class Motor(Row):
+    """A direct-current motor with Coulomb and viscous friction (BAM's M1), seen at the output shaft.
+
+    torque = kt V / R - kt^2 w / R, V = supply x duty; friction torque = viscous |w| + coulomb.
+    Source of the model: Duclusaud et al., "Extended Friction Models for the Physics Simulation of Servo
+    Actuators", ICRA 2025.
+    """
+
+    source: str
+    torque_constant_nm_per_a: Annotated[float, Field(gt=0)]
+    resistance_ohm: Annotated[float, Field(gt=0)]
+    armature_kgm2: Annotated[float, Field(ge=0)]
+    coulomb_nm: Annotated[float, Field(ge=0)]
+    viscous_nms: Annotated[float, Field(ge=0)]
+
+    @property
+    def back_emf_damping(self) -> float:
+        """Torque per speed of a driven motor, kt^2 / R, N m s."""
+        return self.torque_constant_nm_per_a**2 / self.resistance_ohm
+
+
+class PositionLoop(Row):
+    """The firmware's position controller: duty = gain register / divisor x error in ticks / full-scale PWM."""
+
+    proportional: str  # name of the gain's register
+    divisor: Annotated[float, Field(gt=0)]
+    pwm_full_scale: Annotated[int, Field(gt=0)]  # counts of the PWM registers at 100 % duty
+
+
+class FirmwareAssumptions(Row):
+    """What no manual states, and the fake servo must decide. Each is a switch, with its reason in the file."""
+
+    version: Annotated[int, Field(ge=0, le=255)]
+    time_base_hz: Annotated[float, Field(gt=0)]  # of integral and derivative terms
+    derivative_gain: bool  # whether the position D gain acts
+    goal_follows_present: bool  # whether torque-on sets the goal position to the present one
+    later_ids_answer: bool  # whether a sync read goes on behind a silent servo
+    reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after a reboot
+    overload_duty: Annotated[float, Field(gt=0, le=1)]
+    overload_s: Annotated[float, Field(gt=0)]
+    temperature_c: float  # the fake has no heat model: every servo stays at this
+
+
+class ServoModel(Row):
+    """One file of `configs/servos`."""
+
+    schema_version: Annotated[Literal[1], Field(alias="schema")]
+    name: str
+    description: str
+    protocol: Literal["dynamixel-2.0"]
+    model_number: int
+    fast_sync_read_firmware: int | None  # the first firmware that has it; None: none has
+    encoder: Encoder
+    cyclic: Cyclic
+    specification: Specification
+    motor: Motor
+    position_loop: PositionLoop
+    firmware: FirmwareAssumptions
+    registers: tuple[Register, ...]
+
+    @cached_property
+    def by_name(self) -> dict[str, Register]:
+        """The rows by their names."""
+        return {register.name: register for register in self.registers}
+
+    @property
+    def feedback(self) -> list[Register]:
+        """The registers read in every tick, by address."""
+        names = (self.cyclic.effort, self.cyclic.velocity, self.cyclic.position)
+        return sorted((self[name] for name in names), key=lambda register: register.address)
+
+    def __getitem__(self, name: str) -> Register:
+        return self.by_name[name]
+
+    @model_validator(mode="after")
+    def _check_rows(self) -> "ServoModel":
+        problems = list(self._row_problems())
+        if problems:
+            raise ValueError("; ".join(problems))
+        return self
+
+    def _row_problems(self) -> Iterator[str]:
+        if len(self.by_name) != len(self.registers):
+            names = [register.name for register in self.registers]
+            yield f"register names must be unique: {sorted({n for n in names if names.count(n) > 1})}"
+        rows = sorted(self.registers, key=lambda register: register.address)
+        for before, after in itertools.pairwise(rows):
+            if before.end > after.address:
+                yield f"registers {before.name} and {after.name} overlap at address {after.address}"
+        cyclic = self.cyclic
+        needed = (cyclic.goal, cyclic.effort, cyclic.velocity, cyclic.position, self.position_loop.proportional)
+        for name in needed:
+            if name not in self.by_name:
+                yield f"no register is named {name!r}"

@@ -1,0 +1,107 @@
+"""Where the body is to be: its course over the ground, its height, and its posture on top of both."""
+
+import math
+from collections.abc import Iterable
+
+from robotwalk.types import LEVEL, Pose, Twist, Vec3
+
+
+def advanced(pose: Pose, twist: Twist, seconds: float) -> Pose:
+    """Return a pose carried along the arc of a constant twist, exactly."""
+    vx, vy, wz = twist
+    turn = wz * seconds
+    if abs(turn) < 1e-9:
+        along, across = seconds, 0.5 * turn * seconds
+    else:
+        along, across = math.sin(turn) / wz, (1.0 - math.cos(turn)) / wz
+    dx, dy = vx * along - vy * across, vx * across + vy * along
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    return pose._replace(x=pose.x + c * dx - s * dy, y=pose.y + s * dx + c * dy, yaw=pose.yaw + turn)
+
+
+def placed(pose: Pose, point: Vec3) -> tuple[float, float]:
+    """Return where a point of the base frame lies on the ground, if the body were level at this pose."""
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    return pose.x + c * point.x - s * point.y, pose.y + s * point.x + c * point.y
+
+
+def composed(course: Pose, posture: Pose) -> Pose:
+    """Return the body's pose for a level course and a displacement from it, given in the base frame."""
+    x, y = placed(course, Vec3(posture.x, posture.y, posture.z))
+    return Pose(x, y, course.z + posture.z, posture.roll, posture.pitch, course.yaw + posture.yaw)
+
+
+def seen_from(pose: Pose, points: Iterable[Vec3]) -> list[Vec3]:
+    """Return points of odom in the base frame of a body at `pose`."""
+    cr, sr = math.cos(pose.roll), math.sin(pose.roll)
+    cp, sp = math.cos(pose.pitch), math.sin(pose.pitch)
+    cy, sy = math.cos(pose.yaw), math.sin(pose.yaw)
+    # Columns of Rz(yaw) Ry(pitch) Rx(roll): the base's axes in odom.
+    xx, xy, xz = cy * cp, sy * cp, -sp
+    yx, yy, yz = cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr
+    zx, zy, zz = cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr
+    seen = []
+    for point in points:
+        dx, dy, dz = point.x - pose.x, point.y - pose.y, point.z - pose.z
+        seen.append(Vec3(
+            xx * dx + xy * dy + xz * dz,
+            yx * dx + yy * dy + yz * dz,
+            zx * dx + zy * dy + zz * dz,
+        ))
+    return seen
+
+
+class Ramp:
+    """A value that follows another smoothly: bounded speed, no step in it (second order, critically damped)."""
+
+    def __init__(self, value: float, speed: float, seconds: float = 0.15) -> None:
+        self.value = value
+        self.rate = 0.0
+        self._speed = speed
+        self._gain = 2.0 / seconds
+
+    def step(self, target: float, dt: float) -> float:
+        """Advance by `dt` s and return the value."""
+        gain, speed = self._gain, self._speed
+        wanted = min(max(0.5 * gain * (target - self.value), -speed), speed)
+        self.rate += (wanted - self.rate) * min(2.0 * gain * dt, 1.0)
+        self.value += self.rate * dt
+        return self.value
+
+    def settled(self, target: float, tolerance: float) -> bool:
+        """Tell whether the value is at its target and stays."""
+        return abs(target - self.value) <= tolerance and abs(self.rate) <= tolerance
+
+
+class Body:
+    """The body's course in odom and its posture."""
+
+    # How fast the body rises and leans: slow enough that the feet keep their load.
+    _RISE = 0.06  # m/s
+    _SHIFT = 0.05  # m/s
+    _LEAN = 0.35  # rad/s
+    _REACHED = 1e-3  # m or rad, and per second
+
+    def __init__(self, height: float) -> None:
+        self.course = self.pose = LEVEL._replace(z=height)
+        self.height = Ramp(height, self._RISE)
+        self._level = True
+        self._posture = [Ramp(0.0, self._SHIFT) for _ in range(3)] + [Ramp(0.0, self._LEAN) for _ in range(3)]
+
+    def step(self, twist: Twist, height: float, posture: Pose, dt: float) -> Pose:
+        """Advance by `dt` s; return the body's pose in odom."""
+        course = advanced(self.course, twist, dt)
+        self.course = course._replace(z=self.height.step(height, dt))
+        if posture is LEVEL and self._level:
+            self.pose = self.course
+        else:
+            leaning = Pose(*(ramp.step(target, dt) for ramp, target in zip(self._posture, posture, strict=True)))
+            self._level = posture == LEVEL and all(ramp.settled(0.0, 1e-6) for ramp in self._posture)
+            self.pose = composed(self.course, leaning)
+        return self.pose
+
+    def settled(self, height: float, posture: Pose) -> bool:
+        """Tell whether the body has come to this height and posture."""
+        if not self.height.settled(height, self._REACHED):
+            return False
+        return all(r.settled(p, self._REACHED) for r, p in zip(self._posture, posture, strict=True))

@@ -1,0 +1,121 @@
+"""`robotwalk check`: everything about a robot that can be judged without moving it."""
+
+import math
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from robotwalk import assembly, checks
+from robotwalk.cli.output import say, write_json, write_table
+
+_TIGHT = math.radians(2.0)  # a joint this near its limit is worth a warning
+_BUSY = 0.8  # of a tick that the bus may take
+
+
+def check(
+    robot: str,
+    /,
+    *,
+    rate: int = assembly.RATE_HZ,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Check a robot's files: schema, reach, joint margin, balance, and the bus's time at the rate.
+
+    Parameters
+    ----------
+    robot
+        A bundled name, or the path of a YAML file.
+    rate
+        Ticks per second that the bus shall carry.
+    json
+        One JSON object on stdout.
+    """
+    blueprint = assembly.load(robot)
+    reaches = [checks.gait_reach(blueprint.model, gait) for gait in blueprint.gaits.values()]
+    balances = [checks.balance(blueprint.model, gait) for gait in blueprint.gaits.values()]
+    buses = assembly.bus_loads(blueprint, rate)
+    problems = _problems(reaches, balances, buses)
+    if json:
+        write_json({
+            "robot": blueprint.model.name,
+            "ok": not problems,
+            "problems": problems,
+            "mass_kg": round(blueprint.model.mass, 4),
+            "gaits": [_gait_fields(reach, at) for reach, at in zip(reaches, balances, strict=True)],
+            "rate_hz": rate,
+            "buses": {
+                bus.name: {"baud": bus.baud, "servos": bus.servos, "wire_ms": round(1e3 * bus.wire_s, 3),
+                           "share_of_tick": round(bus.share, 3), "largest_rate_hz": bus.largest_rate_hz}
+                for bus in buses
+            },
+        })
+    else:
+        _show(blueprint, reaches, balances, buses, rate)
+        for problem in problems:
+            say(f"problem: {problem}")
+        say("all checks passed" if not problems else f"{len(problems)} problem(s)")
+    return 1 if problems else 0
+
+
+def _problems(
+    reaches: list[checks.GaitReach], balances: list[checks.Balance], buses: list[assembly.BusLoad]
+) -> list[str]:
+    problems = []
+    for reach in reaches:
+        joint = reach.tightest
+        if reach.miss > 1e-9:
+            problems.append(f"gait {reach.gait}: the longest stride is {1e3 * reach.miss:.0f} mm out of reach")
+        if joint.margin < 0.0:
+            problems.append(
+                f"gait {reach.gait}: at the longest stride {joint.joint} would leave its limits by "
+                f"{-math.degrees(joint.margin):.1f} deg")
+        elif joint.margin < _TIGHT:
+            problems.append(
+                f"gait {reach.gait}: at the longest stride {joint.joint} comes within "
+                f"{math.degrees(joint.margin):.1f} deg of its limit")
+    for bus in buses:
+        if bus.share > _BUSY:
+            problems.append(
+                f"bus {bus.name} needs {1e3 * bus.wire_s:.2f} ms a tick, {100 * bus.share:.0f} % of it; "
+                f"the largest rate is {bus.largest_rate_hz} Hz")
+    problems.extend(
+        f"gait {balance.gait}: the centre of mass is outside the support polygon by {-1e3 * balance.margin:.0f} mm"
+        for balance in balances if -math.inf < balance.margin < 0.0)
+    return problems
+
+
+def _gait_fields(reach: checks.GaitReach, balance: checks.Balance) -> dict[str, Any]:
+    joint = reach.tightest
+    return {
+        "gait": reach.gait,
+        "top_speed_mps": round(reach.top_speed, 4),
+        "reach_error_mm": round(1e3 * reach.miss, 3),
+        "tightest_joint": joint.joint,
+        "joint_margin_deg": round(math.degrees(joint.margin), 2),
+        "balance_margin_mm": round(1e3 * balance.margin, 1) if math.isfinite(balance.margin) else None,
+    }
+
+
+def _show(
+    blueprint: assembly.Blueprint, reaches: list[checks.GaitReach], balances: list[checks.Balance],
+    buses: list[assembly.BusLoad], rate: int,
+) -> None:
+    model = blueprint.model
+    say(f"{model.name}: {len(model.legs)} legs, {len(model.joints)} joints, {model.mass:.2f} kg; files are sound")
+    write_table(
+        "gaits, at the longest stride in any direction and every height",
+        ["gait", "top speed", "reach", "tightest joint", "its margin", "balance"],
+        [
+            [reach.gait, f"{reach.top_speed:.2f} m/s",
+             "ok" if reach.miss < 1e-9 else f"{1e3 * reach.miss:.0f} mm short",
+             reach.tightest.joint, f"{math.degrees(reach.tightest.margin):.1f} deg", f"{1e3 * balance.margin:.0f} mm"]
+            for reach, balance in zip(reaches, balances, strict=True)
+        ])
+    write_table(
+        f"buses, at {rate} Hz",
+        ["bus", "baud", "servos", "wire time a tick", "of the tick", "largest rate"],
+        [
+            [bus.name, str(bus.baud), str(bus.servos), f"{1e3 * bus.wire_s:.2f} ms", f"{100 * bus.share:.0f} %",
+             f"{bus.largest_rate_hz} Hz"]
+            for bus in buses
+        ])

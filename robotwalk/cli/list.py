@@ -1,0 +1,62 @@
+"""`robotwalk list`: what is bundled."""
+
+from typing import Annotated, Any
+
+from cyclopts import App, Parameter
+
+from robotwalk import assembly
+from robotwalk.cli.output import write_json, write_table
+from robotwalk.config import library
+from robotwalk.config.schema import GaitConfig, RobotConfig
+
+app = App(name="list", help="List the bundled robots, servos or gaits.")
+
+Json = Annotated[bool, Parameter(name="--json", negative="", help="one JSON object on stdout")]
+
+
+@app.command
+def robots(*, json: Json = False) -> None:
+    """List the robots."""
+    rows = []
+    for name in library.names("robots"):
+        config = _robot(name)
+        joints = sum(len(leg.joints) for leg in config.skeleton.legs.values())
+        rows.append({
+            "name": name, "description": config.description, "legs": len(config.skeleton.legs), "joints": joints})
+    _show("robots", rows, json)
+
+
+@app.command
+def servos(*, json: Json = False) -> None:
+    """List the servo models."""
+    models = [assembly.load_servo(name) for name in library.names("servos")]
+    _show("servos", [
+        {"name": model.name, "description": model.description, "protocol": model.protocol,
+         "model_number": model.model_number}
+        for model in models
+    ], json)
+
+
+@app.command
+def gaits(*, json: Json = False) -> None:
+    """List the gaits, each with the bundled robots that it fits."""
+    feet = {name: set(_robot(name).skeleton.legs) for name in library.names("robots")}
+    rows = []
+    for name in library.names("gaits"):
+        gait = library.open_document("gaits", name).validate(GaitConfig)
+        fits = [robot for robot, legs in feet.items() if legs == set(gait.swing)]
+        rows.append({"name": name, "description": gait.description, "robots": fits})
+    _show("gaits", rows, json)
+
+
+def _robot(name: str) -> RobotConfig:
+    return library.open_document("robots", name).validate(RobotConfig)
+
+
+def _show(kind: str, rows: list[dict[str, Any]], json: bool) -> None:
+    if json:
+        write_json({kind: rows})
+        return
+    columns = list(rows[0])
+    cells = [[", ".join(v) if isinstance(v, list) else str(v) for v in row.values()] for row in rows]
+    write_table(kind, columns, cells)

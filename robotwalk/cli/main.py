@@ -1,0 +1,45 @@
+"""The `robotwalk` command: its commands, its exit codes, and errors as one sentence each."""
+
+import sys
+
+from cyclopts import App, CycloptsError
+
+import robotwalk
+from robotwalk.cli.output import complain
+from robotwalk.errors import RobotwalkError
+
+_EPILOGUE = (
+    "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 bad config, 4 bus or servo not found, 5 safety stop or fall, "
+    "129/130/143 after a hang-up, Ctrl-C or SIGTERM and a safe stop."
+)
+
+app = App(
+    name="robotwalk",
+    help="Walk a legged servo robot, or its simulation through the same bytes.",
+    help_epilogue=_EPILOGUE,
+    version=robotwalk.__version__,
+    suppress_keyboard_interrupt=False,
+)
+# Loaded when called: `--help` need not wait for MuJoCo.
+app.command("robotwalk.cli.walk:walk")
+app.command("robotwalk.cli.check:check")
+app.command("robotwalk.cli.list:app", name="list")
+app.command("robotwalk.cli.bench:app", name="bench")
+
+
+def main() -> None:
+    """Run one command and exit with its code."""
+    try:
+        code = app(exit_on_error=False, print_error=False, result_action="return_value")
+    except RobotwalkError as error:
+        complain(str(error))
+        code = error.exit_code
+    except CycloptsError as error:
+        complain(str(error).strip())
+        code = 2
+    except KeyboardInterrupt:
+        code = 130
+    except BrokenPipeError:
+        # Whoever read our output has had enough of it.
+        code = 1
+    sys.exit(code or 0)

@@ -1,0 +1,207 @@
+"""One walk from chair to chair, watched: what `robotwalk walk` reports."""
+
+import hashlib
+import math
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from robotwalk import assembly
+from robotwalk.controller import twist_of
+from robotwalk.errors import UsageError
+from robotwalk.journey import Journey, Summary
+from robotwalk.loop import Tick
+from robotwalk.supervisor import State
+from robotwalk.timing import Histogram
+from robotwalk.types import BusStatistics, Pose
+from robotwalk.velocity import feasible
+
+_GRAVITY = 9.81  # m/s^2
+_SITTING_AND_STANDING = 6.0  # s, roughly; only the progress bar relies on it
+
+Progress = Callable[[str, float], None]
+
+
+class Plan(NamedTuple):
+    """What to do, in SI units and radians."""
+
+    speed: float
+    direction: float
+    heading: float | None
+    turn: float
+    height: float | None
+    duration: float
+    gait: str | None
+
+
+class Outing:
+    """Walks a simulated robot by a plan. Distances count from the end of standing up to the start of sitting down."""
+
+    def __init__(self, simulation: assembly.Simulation, plan: Plan, *, film: bool = False, view: bool = False) -> None:
+        """Prepare it.
+
+        Raises:
+            UsageError: the plan makes no sense for this robot, or the viewer is not installed.
+        """
+        self._robot, self._world = simulation.robot, simulation.world
+        self._plan = plan
+        gaits = simulation.blueprint.gaits
+        self._gait = gaits.get(plan.gait or simulation.blueprint.default_gait)
+        if self._gait is None:
+            raise UsageError(f"{self._robot.model.name} has no gait {plan.gait!r}; it has {', '.join(gaits)}")
+        wanted = twist_of(plan.speed, plan.direction, plan.turn)
+        if not all(math.isfinite(value) for value in (*wanted, plan.heading or 0.0)):
+            raise UsageError("speeds and angles should be finite numbers")
+        self._twist, self._scale = feasible(wanted, self._robot.model.motion, self._gait)
+        self._start: Pose | None = None
+        self._truth = self._odometry = Journey(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
+        self._energy = 0.0
+        self._ticks = self._walking_ticks = 0
+        self._wall = 0.0
+        self._film = assembly.film(self._world) if film else None
+        self._viewer = assembly.viewer(self._world) if view else None
+        self._progress: Progress = lambda text, share: None
+
+    def run(self, progress: Progress) -> None:
+        """Stand up, walk, stop, sit.
+
+        Raises:
+            SafetyStop, KeyboardInterrupt, SystemExit: it ended early; the robot sits, or is frozen.
+        """
+        robot, plan = self._robot, self._plan
+        self._progress = progress
+        robot.observers.append(self._watch)
+        began = time.perf_counter()
+        try:
+            with robot:
+                robot.stand()
+                self._note_scaling()
+                self._begin()
+                try:
+                    robot.walk(
+                        *self._twist, seconds=plan.duration, gait=plan.gait, heading=plan.heading, height=plan.height)
+                finally:
+                    self._end()
+        finally:
+            self._wall = time.perf_counter() - began
+            self._note_cuts()
+
+    def ended_as(self) -> str:
+        """Return what became of the robot, in words."""
+        seated = self._robot.loop.supervisor.state is State.STOP
+        return "sat down, torque is off" if seated else "is frozen in place, torque is on"
+
+    def save_film(self, path: Path, progress: Callable[[float], None]) -> None:
+        """Draw the film of what happened."""
+        if self._film is not None:
+            self._film.save(path, progress)
+
+    def report(self) -> dict[str, Any]:
+        """Return the fields of `walk --json`."""
+        loop, model, plan = self._robot.loop, self._robot.model, self._plan
+        truth, odometry = self._truth.summary(), self._odometry.summary()
+        seconds = self._walking_ticks / loop.rate_hz
+        work = model.mass * _GRAVITY * abs(truth.distance)
+        assert self._gait is not None
+        return {
+            "robot": model.name,
+            "gait": self._gait.name,
+            "backend": "sim",
+            "rate_hz": loop.rate_hz,
+            "duration_s": round(seconds, 3),
+            "ticks": self._ticks,
+            "commanded": {"vx": self._twist.vx, "vy": self._twist.vy, "wz": self._twist.wz},
+            "distance_m": truth.distance,
+            "displacement": {
+                "x": truth.displacement.x, "y": truth.displacement.y, "z": truth.displacement.z,
+                "yaw_deg": math.degrees(truth.displacement.yaw)},
+            "heading_change_deg": math.degrees(truth.displacement.yaw),
+            "speed_mps": truth.distance / seconds if seconds else 0.0,
+            "lateral_drift_m": self._drift(truth) if plan.turn == 0.0 and plan.heading is None else None,
+            "max_tilt_deg": math.degrees(truth.max_tilt),
+            "min_height_m": truth.min_height,
+            "fell": truth.fell,
+            "odometry": {
+                "distance_m": odometry.distance, "heading_change_deg": math.degrees(odometry.displacement.yaw)},
+            "energy_j": self._energy,
+            "cost_of_transport": self._energy / work if work > 0.0 else None,
+            "bus": {
+                name: _bus_fields(line) for name, line in self._robot.bus_statistics().items()
+            },
+            "timing": {
+                "missed_deadlines": loop.missed,
+                "wake_us": _rounded(loop.wake), "tick_us": _rounded(loop.compute), "bus_us": _rounded(loop.exchange)},
+            "wall_s": round(self._wall, 3),
+            "realtime_factor": round(self._ticks / loop.rate_hz / self._wall, 2) if self._wall else 0.0,
+            "events": [event._asdict() for event in self._robot.events],
+            "state_hash": self._hash(),
+        }
+
+    def _begin(self) -> None:
+        self._start = self._world.truth().base
+        nominal = self._plan.height or self._robot.model.heights.stand
+        self._truth = Journey(self._start, self._plan.direction, nominal)
+        self._odometry = Journey(self._robot.state.odometry, self._plan.direction, nominal)
+        self._energy = -self._world.truth().energy
+
+    def _end(self) -> None:
+        self._start = None
+        self._energy += self._world.truth().energy
+
+    def _watch(self, tick: Tick) -> None:
+        """Follow one tick."""
+        self._ticks += 1
+        rate = self._robot.loop.rate_hz
+        if self._start is not None:
+            self._walking_ticks += tick.state is State.WALK
+            self._truth.add(self._world.truth().base)
+            self._odometry.add(tick.estimate.pose)
+        if self._ticks % max(rate // 10, 1) == 0:
+            elapsed = self._ticks / rate
+            self._progress(
+                f"{tick.state.value} {self._walking_ticks / rate:4.1f} s",
+                min(elapsed / (self._plan.duration + _SITTING_AND_STANDING), 1.0))
+        if self._film is not None and self._film.due(self._ticks / rate):
+            self._film.shoot(self._world.world.data, self._caption(tick))
+        if self._viewer is not None:
+            self._viewer.update(self._ticks / rate)
+
+    def _caption(self, tick: Tick) -> str:
+        assert self._gait is not None
+        speed = math.hypot(tick.wanted.twist.vx, tick.wanted.twist.vy)
+        seconds = self._ticks / self._robot.loop.rate_hz
+        return f"{self._robot.model.name}  {self._gait.name}  {speed:.2f} m/s   t {seconds:.1f} s"
+
+    def _note_scaling(self) -> None:
+        assert self._gait is not None
+        if self._scale < 1.0:
+            vx, vy, wz = self._twist
+            self._robot.note(
+                "scaled",
+                f"that is more than {self._robot.model.name} can do in {self._gait.name}: scaled by {self._scale:.2f}, "
+                f"to {math.hypot(vx, vy):.3f} m/s and {math.degrees(wz):.1f} deg/s")
+
+    def _note_cuts(self) -> None:
+        cuts = self._robot.loop.gate.cuts
+        if cuts:
+            what = ", ".join(f"{joint} {kind} {count}" for (joint, kind), count in cuts.most_common(4))
+            more = "" if len(cuts) <= 4 else f" and {len(cuts) - 4} more"
+            self._robot.note("limits", f"the limits cut {cuts.total()} goals: {what}{more}")
+
+    def _drift(self, summary: Summary) -> float:
+        course = self._plan.direction + (math.pi if self._plan.speed < 0.0 else 0.0)
+        return summary.displacement.y * math.cos(course) - summary.displacement.x * math.sin(course)
+
+    def _hash(self) -> str:
+        """Hash all that was read and sent, and the true state at the end."""
+        return hashlib.sha256(f"{self._robot.loop.digest()} {self._world.truth()}".encode()).hexdigest()
+
+
+def _bus_fields(line: BusStatistics) -> dict[str, Any]:
+    fields = line._asdict()
+    return fields | {"max_age_ms": 1e3 * fields.pop("max_age")}
+
+
+def _rounded(histogram: Histogram) -> dict[str, float]:
+    return histogram.percentiles()._asdict()

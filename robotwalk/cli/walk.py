@@ -1,0 +1,128 @@
+"""`robotwalk walk`: stand up, walk, stop, sit; and say what came of it."""
+
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from robotwalk import assembly
+from robotwalk.cli.outing import Outing, Plan
+from robotwalk.cli.output import complain, progress_line, say, write_json
+from robotwalk.errors import SafetyStop, UsageError
+
+Flag = Parameter(negative="")
+
+
+def walk(
+    robot: str,
+    /,
+    *,
+    gait: str | None = None,
+    speed: float = 0.1,
+    direction: float = 0.0,
+    heading: float | None = None,
+    turn: float | None = None,
+    height: float | None = None,
+    duration: float = 10.0,
+    rate: int = assembly.RATE_HZ,
+    seed: int = 0,
+    log: Path | None = None,
+    gif: Path | None = None,
+    view: Annotated[bool, Flag] = False,
+    json: Annotated[bool, Flag] = False,
+) -> int:
+    """Stand up, walk, stop and sit, in simulation through the robot's real bytes.
+
+    Parameters
+    ----------
+    robot
+        A bundled name (see `robotwalk list robots`), or the path of a YAML file.
+    gait
+        A name from `robotwalk list gaits`. Default: tripod with six legs or more, trot with four, else wave.
+    speed
+        Metres per second.
+    direction
+        Of travel relative to the body, degrees: 0 ahead, 90 to the left.
+    heading
+        Where the body shall face, degrees to the left of its start. It turns there and holds it.
+    turn
+        A turning rate instead, degrees per second to the left.
+    height
+        Of the body above the ground, metres.
+    duration
+        Seconds of walking; standing up and sitting down come on top.
+    rate
+        Ticks per second.
+    seed
+        Of the simulation. Equal seeds give equal runs.
+    log
+        Record every tick to this MCAP file, for PlotJuggler or Foxglove.
+    gif
+        Leave an animated picture of the walk here.
+    view
+        Show the walk in the browser, on this machine only (needs the extra `robotwalk[view]`).
+    json
+        One JSON object on stdout.
+    """
+    if turn is not None and heading is not None:
+        raise UsageError("--turn and --heading exclude each other: one is a rate, the other an angle to hold")
+    for name, value in (("--speed", speed), ("--direction", direction), ("--duration", duration)):
+        if not math.isfinite(value):
+            raise UsageError(f"{name} should be a finite number, not {value}")
+    if duration < 0.0:
+        raise UsageError(f"--duration should not be negative, not {duration}")
+    if gif is not None:
+        assembly.check_film(gif)
+    plan = Plan(
+        speed=speed, direction=math.radians(direction),
+        heading=None if heading is None else math.radians(heading),
+        turn=math.radians(turn or 0.0), height=height, duration=duration, gait=gait)
+    simulation = assembly.simulate(robot, rate_hz=rate, seed=seed, log=log)
+    outing = Outing(simulation, plan, film=gif is not None, view=view)
+    code = _go(outing, json)
+    if gif is not None:
+        with progress_line() as progress:
+            outing.save_film(gif, lambda share: progress(f"drawing {gif}", share))
+    fields = outing.report()
+    if json:
+        write_json(fields)
+    else:
+        _show(fields)
+    if code == 0 and fields["fell"]:
+        complain("the robot fell")
+        code = SafetyStop.exit_code
+    return code
+
+
+def _go(outing: Outing, json: bool) -> int:
+    """Walk; return the exit code. Whatever ends the walk, what was measured until then is kept."""
+    try:
+        with progress_line() as progress:
+            outing.run(progress)
+    except SafetyStop as error:
+        complain(str(error))
+        return error.exit_code
+    except KeyboardInterrupt:
+        complain(f"interrupted; the robot {outing.ended_as()}")
+        return 130
+    except SystemExit as stop:
+        complain(f"told to end; the robot {outing.ended_as()}")
+        return int(stop.code or 0)
+    return 0
+
+
+def _show(fields: dict[str, Any]) -> None:
+    """Say it to a person."""
+    for event in fields["events"]:
+        if event["kind"] not in ("state", "interrupt"):
+            say(f"{event['t']:6.2f} s  {event['text']}")
+    moved, bus = fields["displacement"], fields["bus"]
+    lost = sum(line["lost_replies"] for line in bus.values())
+    say(f"{fields['robot']}, {fields['gait']}: {fields['distance_m']:.3f} m in {fields['duration_s']:.1f} s "
+        f"({fields['speed_mps']:.3f} m/s)")
+    say(f"  ended at x {moved['x']:+.3f} m, y {moved['y']:+.3f} m, turned {moved['yaw_deg']:+.1f} deg")
+    say(f"  largest tilt {fields['max_tilt_deg']:.1f} deg, lowest {1e3 * fields['min_height_m']:.0f} mm, "
+        f"{'FELL' if fields['fell'] else 'no fall'}")
+    say(f"  {fields['ticks']} ticks at {fields['rate_hz']} Hz, {lost} lost replies, "
+        f"{fields['realtime_factor']:.1f} times real time")

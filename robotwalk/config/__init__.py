@@ -1,0 +1,1 @@
+"""Configuration files: positions, schema, and where they are found."""

@@ -1,0 +1,293 @@
+"""YAML documents that keep positions, so that every complaint can say where:
+
+    hexapod.yaml:12:9: skeleton.body: unknown key 'mas_g': did you mean 'mass_g'?
+
+Lines and columns count from 1, items of a list from 0. A missing key is reported where its mapping begins.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
+
+import yaml
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+from yaml.reader import ReaderError
+
+from robotwalk.errors import ConfigError
+
+M = TypeVar("M", bound=BaseModel)
+KeyPath = tuple[str | int, ...]
+
+_TAG = "tag:yaml.org,2002:"
+_MERGE = _TAG + "merge"
+_EXPECTED = {
+    "bool_parsing": "true or false",
+    "bool_type": "true or false",
+    "dict_type": "a mapping",
+    "finite_number": "a finite number",
+    "float_parsing": "a number",
+    "float_type": "a number",
+    "int_from_float": "a whole number",
+    "int_parsing": "a whole number",
+    "int_type": "a whole number",
+    "list_type": "a list",
+    "model_type": "a mapping",
+    "string_type": "text",
+    "tuple_type": "a list",
+}
+
+
+class _Problem(NamedTuple):
+    """One complaint; sorts by its place in the file."""
+
+    line: int
+    column: int
+    path: KeyPath
+    text: str
+
+
+class Document:
+    """What a YAML file holds, and where."""
+
+    def __init__(self, name: str, root: yaml.Node | None, content: Any) -> None:
+        self.name = name
+        self._root = root
+        self._content = content
+
+    @classmethod
+    def read(cls, path: Path) -> "Document":
+        """Read a file. Raises ConfigError if that fails or if it is not YAML that we accept."""
+        try:
+            data = path.read_bytes()
+        except OSError as error:
+            raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            before = data[: error.start].decode("utf-8-sig")
+            problem = f"expected UTF-8 text (got byte 0x{data[error.start]:02x})"
+            raise _config_error(str(path), [_Problem(*_end(before), (), problem)]) from error
+        return cls.parse(text, str(path))
+
+    @classmethod
+    def parse(cls, text: str, name: str) -> "Document":
+        """Read `text`, which complaints are to call `name`. Raises ConfigError as `read` does."""
+        try:
+            loader = yaml.SafeLoader(text)
+            root = loader.get_single_node()
+            flaws = list(_flaws(loader, root, (), (), set())) if root else []
+            content = loader.construct_document(root) if root and not flaws else None
+        except ReaderError as error:
+            problem = f"not valid YAML: character {chr(error.character)!r} is not allowed"
+            flaws = [_Problem(*_end(text[: error.position]), (), problem)]
+        except yaml.MarkedYAMLError as error:
+            words = ", ".join(filter(None, (error.context, error.problem)))
+            flaws = [_Problem(*_place(error.problem_mark), (), f"not valid YAML: {words}")]
+        except RecursionError:
+            flaws = [_Problem(1, 1, (), "nested too deeply")]
+        if flaws:
+            raise _config_error(name, flaws)
+        return cls(name, root, content)
+
+    def value(self, path: KeyPath) -> Any:
+        """Return what is at `path`. Raises ConfigError if nothing is."""
+        value = self._content
+        for depth, step in enumerate(path):
+            inside = dict(enumerate(value)) if isinstance(value, list) else value
+            if not isinstance(inside, dict) or step not in inside:
+                raise self.error(path[:depth], _missing(step))
+            value = inside[step]
+        return value
+
+    def validate(self, model: type[M], at: KeyPath = ()) -> M:
+        """Return what is at `at` as a `model`. Raises one ConfigError that tells everything wrong with it."""
+        try:
+            return model.model_validate(self.value(at))
+        except ValidationError as error:
+            details = error.errors(include_url=False)
+        raise _config_error(self.name, [self._problem(model, at, detail) for detail in details])
+
+    def error(self, path: KeyPath, problem: str, got: object = ...) -> ConfigError:
+        """Return the error that says `problem` of what is at `path`, or of its nearest ancestor."""
+        return _config_error(self.name, [_Problem(*self._position(path), path, problem + _got(got))])
+
+    def _position(self, path: KeyPath, of_key: bool = False) -> tuple[int, int]:
+        """Return line and column of the value at `path`, or of the key that holds it."""
+        if self._root is None:
+            return 1, 1
+        key = value = self._root
+        for step in path:
+            inside = _children(value)
+            if step not in inside:
+                return _place(value.start_mark)
+            key, value = inside[step]
+        return _place((key if of_key else value).start_mark)
+
+    def _problem(self, model: type[BaseModel], at: KeyPath, detail: ErrorDetails) -> _Problem:
+        """Put one of pydantic's complaints into words."""
+        path, schemas = _follow(model, detail["loc"])
+        path = at + path
+        if detail["type"] == "missing":
+            return _Problem(*self._position(path[:-1]), path[:-1], _missing(path[-1]))
+        if detail["type"] == "extra_forbidden":
+            return _Problem(*self._position(path, of_key=True), path[:-1], _unknown(path[-1], schemas))
+        return _Problem(*self._position(path), path, _wrong_value(detail))
+
+
+def _flaws(
+    loader: yaml.SafeLoader, node: yaml.Node, path: KeyPath, above: tuple[yaml.Node, ...], seen: set[int]
+) -> Iterator[_Problem]:
+    """Find what YAML allows and we do not, in every node once."""
+    if node in above:
+        yield _Problem(*_place(node.start_mark), path, "an alias stands for something that contains it")
+    if id(node) in seen:
+        return
+    seen.add(id(node))
+    if isinstance(node, yaml.MappingNode):
+        yield from _key_flaws(node, path)
+    if isinstance(node, yaml.CollectionNode):
+        if node.tag not in (_TAG + "map", _TAG + "seq"):
+            yield _Problem(*_place(node.start_mark), path, f"the tag {node.tag!r} is not known here")
+    elif isinstance(node, yaml.ScalarNode):
+        try:
+            loader.construct_object(node)
+        except (ValueError, LookupError, AttributeError):  # SafeLoader on `!!int x`, on 2026-02-31
+            text = f"expected a value that fits {node.tag.replace(_TAG, '!!')}" + _got(node.value)
+            yield _Problem(*_place(node.start_mark), path, text)
+    for step, (_, child) in _children(node).items():
+        yield from _flaws(loader, child, (*path, step), (*above, node), seen)
+
+
+def _key_flaws(node: yaml.MappingNode, path: KeyPath) -> Iterator[_Problem]:
+    """Check that the keys of a mapping are text and are there once."""
+    first: dict[str, int] = {}
+    for key, _ in node.value:
+        line, column = _place(key.start_mark)
+        if not isinstance(key, yaml.ScalarNode) or key.tag not in (_TAG + "str", _MERGE):
+            got = f" (got {key.value})" if isinstance(key, yaml.ScalarNode) else ""
+            yield _Problem(line, column, path, f"expected text as a key, in quotes if need be{got}")
+        elif key.value in first:
+            text = f"duplicate key {key.value!r}, which is on line {first[key.value]} already"
+            yield _Problem(line, column, path, text)
+        else:
+            first[key.value] = line
+
+
+def _children(node: yaml.Node) -> dict[str | int, tuple[yaml.Node, yaml.Node]]:
+    """Return the (key, value) nodes of a mapping, or twice each item of a sequence."""
+    if isinstance(node, yaml.MappingNode):
+        return {str(key.value): (key, value) for key, value in node.value}
+    if isinstance(node, yaml.SequenceNode):
+        return {index: (item, item) for index, item in enumerate(node.value)}
+    return {}
+
+
+def _place(mark: Any) -> tuple[int, int]:
+    return mark.line + 1, mark.column + 1
+
+
+def _end(text: str) -> tuple[int, int]:
+    return text.count("\n") + 1, len(text) - text.rfind("\n")
+
+
+def _follow(model: Any, location: tuple[str | int, ...]) -> tuple[KeyPath, list[Any]]:
+    """Return the path in the document that pydantic's `location` means, and the schemas that its end is in.
+
+    Where a location comes to a union, it names the member that was tried; a path does not.
+    """
+    path: KeyPath = ()
+    holders: list[Any] = []
+    schema = model
+    for step in location:
+        members = _members(schema)
+        if len(members) > 1:
+            schema = next((member for member in members if step in _labels(member)), members[0])
+        elif step != "[key]":
+            path = (*path, step)
+            holders = members
+            schema = _inside(members[0], step)
+    return path, holders
+
+
+def _members(schema: Any) -> list[Any]:
+    """Return the members of a union but None, or just the schema."""
+    if get_origin(schema) is Annotated:
+        return _members(get_args(schema)[0])
+    if get_origin(schema) in (Union, UnionType):
+        return [member for each in get_args(schema) if each is not NoneType for member in _members(each)]
+    return [schema]
+
+
+def _labels(schema: Any) -> set[str]:
+    """Return what pydantic may call the member of a union: by its class or by a discriminator."""
+    values = [get_args(f.annotation) for f in _fields(schema).values() if get_origin(f.annotation) is Literal]
+    return {getattr(schema, "__name__", ""), *(str(value) for group in values for value in group)}
+
+
+def _inside(schema: Any, step: str | int) -> Any:
+    arguments = get_args(schema)
+    if not arguments:
+        field = _fields(schema).get(str(step))
+        return field.annotation if field else None
+    if isinstance(step, int) and step < len(arguments) and arguments[-1] is not ...:
+        return arguments[step]
+    return arguments[0] if isinstance(step, int) else arguments[-1]
+
+
+def _fields(schema: Any) -> Mapping[str, FieldInfo]:
+    """Return a model's fields by the keys that the file has for them."""
+    if not (isinstance(schema, type) and issubclass(schema, BaseModel)):
+        return {}
+    return {field.alias or name: field for name, field in schema.model_fields.items()}
+
+
+def _missing(step: str | int) -> str:
+    return f"missing item {step}" if isinstance(step, int) else f"missing key {step!r}"
+
+
+def _unknown(key: str | int, schemas: list[Any]) -> str:
+    valid = [name for schema in schemas for name in _fields(schema)]
+    near = get_close_matches(str(key), valid, n=1)
+    hint = f"did you mean {near[0]!r}?" if near else f"valid keys are {', '.join(map(repr, valid))}"
+    return f"unknown key {key!r}: {hint}"
+
+
+def _wrong_value(detail: ErrorDetails) -> str:
+    kind, message, context = detail["type"], detail["msg"], detail.get("ctx", {})
+    if kind in ("value_error", "assertion_error"):
+        return str(context["error"]) + ("" if isinstance(detail["input"], dict) else _got(detail["input"]))
+    if kind == "too_short":
+        return f"expected {context['min_length']} or more items (got {context['actual_length']})"
+    if kind == "too_long":
+        return f"expected {context['max_length']} or fewer items (got {context['actual_length']})"
+    wanted = _EXPECTED.get(kind) or message.removeprefix("Input should be ")
+    if wanted.startswith(("greater", "less")):
+        wanted = f"a number {wanted}"
+    return ("" if wanted == message else "expected ") + wanted + _got(detail["input"])
+
+
+def _got(value: object) -> str:
+    """Return what was found, as YAML would have it."""
+    if value is ...:
+        return ""
+    if value is None or isinstance(value, bool):
+        shown = {None: "nothing", True: "true", False: "false"}[value]
+    elif isinstance(value, dict):
+        shown = "a mapping"
+    else:
+        shown = repr(value) if isinstance(value, (str, list, tuple)) else str(value)
+    return f" (got {shown if len(shown) <= 60 else shown[:57] + '...'})"
+
+
+def _config_error(name: str, problems: Iterable[_Problem]) -> ConfigError:
+    ordered = sorted(problems, key=lambda problem: problem[:2])
+    return ConfigError("\n".join(_written(name, problem) for problem in ordered))
+
+
+def _written(name: str, problem: _Problem) -> str:
+    path = ".".join(map(str, problem.path))
+    return f"{name}:{problem.line}:{problem.column}: {path}{': ' if path else ''}{problem.text}"

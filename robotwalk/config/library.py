@@ -1,0 +1,41 @@
+"""Where configuration files are found: those that ship with the package, and the user's own by path."""
+
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Literal
+
+from robotwalk.config.document import Document
+from robotwalk.errors import UsageError
+
+Kind = Literal["robots", "servos", "gaits"]
+
+
+def root() -> Path:
+    """Return the folder of the bundled files: inside the package where installed, beside it in a checkout."""
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "configs"
+    return installed if installed.is_dir() else package.parent / "configs"
+
+
+def names(kind: Kind) -> list[str]:
+    """Return the names of the bundled files of a kind, sorted."""
+    return sorted(path.stem for path in (root() / kind).glob("*.yaml"))
+
+
+def open_document(kind: Kind, name: str) -> Document:
+    """Read a bundled file by its name, or any file by its path.
+
+    Raises:
+        UsageError: nothing of that name is bundled.
+        ConfigError: the file cannot be read or is no YAML.
+    """
+    if name.endswith((".yaml", ".yml")) or "/" in name:
+        return Document.read(Path(name))
+    bundled = names(kind)
+    if name not in bundled:
+        near = get_close_matches(name, bundled, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"bundled are: {', '.join(bundled)}"
+        raise UsageError(f"no {kind.removesuffix('s')} is named {name!r}; {hint}")
+    return Document.read(root() / kind / f"{name}.yaml")
+
+

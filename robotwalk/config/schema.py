@@ -1,0 +1,122 @@
+"""The schema of `configs/robots` and `configs/gaits`, all but a robot's `hardware` section, which is `hal`'s.
+
+A unit is part of a key's name. Values stay here as the file has them; `robotwalk.model` turns them into SI.
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0)]
+Triple = tuple[float, float, float]
+
+
+def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
+    if pair[0] >= pair[1]:
+        raise ValueError("should be [low, high] with low below high")
+    return pair
+
+
+Range = Annotated[tuple[float, float], AfterValidator(_ascending)]
+
+
+class Section(BaseModel):
+    """Base of every section: unknown keys, NaN and infinities are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class BodyConfig(Section):
+    """The rigid body."""
+
+    box_mm: tuple[Positive, Positive, Positive]
+    mass_g: Positive
+
+
+class FootConfig(Section):
+    """The ball at the end of each leg."""
+
+    radius_mm: Positive
+    mass_g: Positive
+
+
+class JointConfig(Section):
+    """A revolute joint and the link behind it."""
+
+    axis: Literal["yaw", "pitch", "roll"]
+    link_mm: Triple
+    mass_g: Positive
+    radius_mm: Positive
+    rest_deg: float
+    limits_deg: Range  # relative to rest
+
+
+class LegConfig(Section):
+    """A serial chain on the body; joints in order from the body to the foot."""
+
+    mount_mm: Triple
+    yaw_deg: float
+    joints: Annotated[dict[str, JointConfig], Field(min_length=1)]
+
+
+class SkeletonConfig(Section):
+    """What the robot is made of, whatever moves it."""
+
+    body: BodyConfig
+    foot: FootConfig
+    legs: Annotated[dict[str, LegConfig], Field(min_length=3)]
+
+
+class HeightConfig(Section):
+    """Heights of the base's origin above the ground."""
+
+    sit: Positive
+    stand: Positive
+    lowest: Positive
+    highest: Positive
+
+
+class FootfallConfig(Section):
+    """Where a foot rests, how far it may step, how high it is lifted."""
+
+    reach_mm: Positive  # from the mount, along the mount's x
+    max_stride_mm: Positive
+    lift_mm: Positive
+
+
+class LocomotionConfig(Section):
+    """How the robot may move."""
+
+    height_mm: HeightConfig
+    max_speed_mps: Positive
+    max_turn_deg_s: Positive
+    acceleration_mps2: Positive
+    turn_acceleration_deg_s2: Positive
+    min_swing_s: Positive
+    swing_path: Literal["parabola", "half_ellipse"]
+    feet: dict[str, FootfallConfig]
+
+
+class RobotConfig(Section):
+    """One file of `configs/robots`."""
+
+    schema_version: Annotated[Literal[1], Field(alias="schema")]
+    name: str
+    description: str
+    modelled_on: str = ""
+    skeleton: SkeletonConfig
+    locomotion: LocomotionConfig
+    hardware: dict[str, Any]
+
+
+Sector = tuple[Annotated[float, Field(ge=0, lt=1)], Annotated[float, Field(gt=0, lt=2)]]
+
+
+class GaitConfig(Section):
+    """One file of `configs/gaits`: the swing sectors of each foot's circle, in turns (PPS section 3)."""
+
+    schema_version: Annotated[Literal[1], Field(alias="schema")]
+    name: str
+    description: str
+    slowest_period_s: Positive
+    swing: Annotated[dict[str, Annotated[list[Sector], Field(min_length=1)]], Field(min_length=3)]

@@ -1,0 +1,41 @@
+"""The errors that robotwalk raises on purpose.
+
+    RobotwalkError                 base; `exit_code` is what the command line exits with
+    +-- UsageError (ValueError)    a value asked for makes no sense: a speed of NaN, an unknown gait
+    +-- ConfigError (ValueError)   a robot, servo or gait file is wrong; says file, line and column
+    +-- BusError (ConnectionError) a port does not open, or a servo does not answer as it must
+    +-- SafetyStop (RuntimeError)  the robot was brought to a safe pose and will not go on by itself
+
+Each has a builtin second parent, so that a caller may catch it without importing this module. A reply lost
+on the wire is none of these: it is ordinary, and travels in `JointState.valid` and `.age`.
+"""
+
+
+class RobotwalkError(Exception):
+    """Base of every error raised on purpose."""
+
+    exit_code = 1
+
+
+class UsageError(RobotwalkError, ValueError):
+    """What was asked for makes no sense."""
+
+    exit_code = 2
+
+
+class ConfigError(RobotwalkError, ValueError):
+    """A configuration file is wrong. The text has one line per problem: `file:line:column: path: what`."""
+
+    exit_code = 3
+
+
+class BusError(RobotwalkError, ConnectionError):
+    """A port or a servo is not there, or is not what the robot's configuration says."""
+
+    exit_code = 4
+
+
+class SafetyStop(RobotwalkError, RuntimeError):
+    """The robot was stopped for its own safety."""
+
+    exit_code = 5

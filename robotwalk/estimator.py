@@ -1,0 +1,82 @@
+"""Where the body is, as far as joints tell: leg odometry.
+
+Feet that stand do not move; so however the standing feet move in the base frame, the body moves the other
+way. Between two ticks that is the planar rigid motion that fits their displacements best (least squares).
+What it cannot see is a foot that slips.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from robotwalk.body import advanced
+from robotwalk.kinematics import solver_for
+from robotwalk.model import RobotModel
+from robotwalk.types import LEVEL, JointState, Pose, Twist, Vec3
+
+_SETTLING = 0.06  # s after a footprint is reached before its foot counts: the servo follows its goal later
+
+
+class Estimate(NamedTuple):
+    """The body's state by odometry."""
+
+    pose: Pose  # of the base in odom; roll and pitch are not seen and stay 0, yaw is not wrapped
+    standing_feet: int  # that the last step relied on
+
+
+class Odometry:
+    """Integrates the motion of the standing feet."""
+
+    def __init__(self, model: RobotModel) -> None:
+        self._legs = tuple((leg.span, solver_for(leg)) for leg in model.legs)
+        self._foot_radius = model.foot_radius
+        self._planted_for = [0.0] * len(model.legs)
+        self._feet: list[Vec3 | None] = [None] * len(model.legs)
+        self._pose = LEVEL._replace(z=model.heights.sit)
+
+    def step(self, state: JointState, planted: Sequence[bool], commanded: Twist, dt: float) -> Estimate:
+        """Take one measurement.
+
+        Args:
+            state: the joints.
+            planted: which feet stand; empty where none is known to.
+            commanded: the twist to go by where too few feet stand.
+            dt: s since the last measurement.
+        """
+        pairs: list[tuple[Vec3, Vec3]] = []
+        for index, (span, solver) in enumerate(self._legs):
+            self._planted_for[index] = self._planted_for[index] + dt if planted and planted[index] else 0.0
+            before = self._feet[index]
+            self._feet[index] = None
+            if all(state.valid[span]):
+                now = solver.foot(state.position[span])
+                self._feet[index] = now
+                if before is not None and self._planted_for[index] >= _SETTLING:
+                    pairs.append((before, now))
+        if len(pairs) >= 2:
+            dx, dy, turn = _rigid_motion(pairs)
+            c, s = math.cos(self._pose.yaw), math.sin(self._pose.yaw)
+            height = self._foot_radius - sum(now.z for _, now in pairs) / len(pairs)
+            self._pose = self._pose._replace(
+                x=self._pose.x + c * dx - s * dy, y=self._pose.y + s * dx + c * dy,
+                z=height, yaw=self._pose.yaw + turn)
+        else:
+            self._pose = advanced(self._pose, commanded, dt)
+        return Estimate(self._pose, len(pairs))
+
+
+def _rigid_motion(pairs: Sequence[tuple[Vec3, Vec3]]) -> tuple[float, float, float]:
+    """Return the body's (dx, dy, turn) in its old frame that explains its feet's (before, now) best."""
+    n = len(pairs)
+    ax = ay = bx = by = 0.0
+    for before, now in pairs:
+        ax, ay, bx, by = ax + before.x, ay + before.y, bx + now.x, by + now.y
+    ax, ay, bx, by = ax / n, ay / n, bx / n, by / n
+    dot = cross = 0.0
+    for before, now in pairs:
+        ux, uy, vx, vy = before.x - ax, before.y - ay, now.x - bx, now.y - by
+        dot += ux * vx + uy * vy
+        cross += vx * uy - vy * ux
+    turn = math.atan2(cross, dot)
+    c, s = math.cos(turn), math.sin(turn)
+    return ax - (c * bx - s * by), ay - (s * bx + c * by), turn

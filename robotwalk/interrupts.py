@@ -1,0 +1,46 @@
+"""Signals that wait for the end of a tick, so that none cuts a cycle in half."""
+
+import contextlib
+import signal
+import threading
+from collections.abc import Callable
+from types import FrameType
+from typing import Any
+
+
+class Interrupts:
+    """Takes SIGINT, SIGTERM and SIGHUP while in force; `check` raises what came since."""
+
+    _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+    def __init__(self) -> None:
+        self._came: list[int] = []
+        self._before: dict[int, Callable[[int, FrameType | None], Any] | int | None] = {}
+
+    def install(self) -> None:
+        """Take the signals. Only a main thread can; in any other this does nothing."""
+        if threading.current_thread() is threading.main_thread():
+            self._before = {number: signal.signal(number, self._note) for number in self._SIGNALS}
+
+    def restore(self) -> None:
+        """Give the signals back."""
+        for number, handler in self._before.items():
+            with contextlib.suppress(ValueError, TypeError):
+                signal.signal(number, handler)
+        self._before = {}
+
+    def check(self) -> None:
+        """Raise what the oldest signal not yet raised stands for.
+
+        Raises:
+            KeyboardInterrupt: for SIGINT.
+            SystemExit: for the others, with the exit code that shells use, 128 + the signal's number.
+        """
+        if self._came:
+            number = self._came.pop(0)
+            if number == signal.SIGINT:
+                raise KeyboardInterrupt
+            raise SystemExit(128 + number)
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self._came.append(number)

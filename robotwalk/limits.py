@@ -1,0 +1,77 @@
+"""The one gate before the servos. Nothing bypasses it, and what it cuts is counted.
+
+Each goal is held inside the joint's position range, below a speed and below an acceleration. A goal that is
+not a number is refused: the joint keeps its last one.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+
+class JointLimit(NamedTuple):
+    """What one joint's goal may do."""
+
+    lower: float  # rad
+    upper: float  # rad
+    speed: float  # rad/s
+    acceleration: float  # rad/s^2
+
+
+class Gate:
+    """Holds goals inside their limits, from the first goal on."""
+
+    def __init__(self, names: Sequence[str], limits: Sequence[JointLimit]) -> None:
+        self._names = tuple(names)
+        self._limits = tuple(limits)
+        self._goals: list[float] = []
+        self._speeds: list[float] = []
+        self.cuts: Counter[tuple[str, str]] = Counter()  # (joint, what) -> goals cut
+
+    def reset(self, positions: Sequence[float]) -> None:
+        """Start from where the joints are, at rest; from there speed and acceleration are counted."""
+        self._goals = [float(p) for p in positions]
+        self._speeds = [0.0] * len(self._limits)
+
+    def step(self, goals: Sequence[float], dt: float) -> tuple[float, ...]:
+        """Return goals that may be sent, `dt` s after the last ones."""
+        allowed, speeds = [], []
+        rows = zip(goals, self._goals, self._speeds, self._limits, strict=True)
+        for index, (goal, last, speed, limit) in enumerate(rows):
+            lower, upper, top_speed, acceleration = limit
+            wanted = (goal - last) / dt
+            # One test for the usual case; it also fails for whatever is not a number.
+            if not (
+                lower <= goal <= upper and -top_speed <= wanted <= top_speed
+                and -acceleration * dt <= wanted - speed <= acceleration * dt
+            ):
+                goal = self._cut(index, goal, dt)
+                wanted = (goal - last) / dt
+            allowed.append(goal)
+            speeds.append(wanted)
+        self._goals, self._speeds = allowed, speeds
+        return tuple(allowed)
+
+    def _cut(self, index: int, goal: float, dt: float) -> float:
+        """Return the nearest goal that one joint may have, and count what stood against the wanted one."""
+        limit, last, speed = self._limits[index], self._goals[index], self._speeds[index]
+        if not math.isfinite(goal):
+            self._count(index, "not a number")
+            goal = last
+        elif not limit.lower <= goal <= limit.upper:
+            self._count(index, "position")
+            goal = min(max(goal, limit.lower), limit.upper)
+        wanted = (goal - last) / dt
+        if abs(wanted) > limit.speed:
+            self._count(index, "speed")
+            wanted = math.copysign(limit.speed, wanted)
+        change = limit.acceleration * dt
+        if abs(wanted - speed) > change:
+            self._count(index, "acceleration")
+            wanted = speed + math.copysign(change, wanted - speed)
+        # Position has the last word: braking may not carry a goal out of its range.
+        return min(max(last + wanted * dt, min(limit.lower, last)), max(limit.upper, last))
+
+    def _count(self, index: int, what: str) -> None:
+        self.cuts[self._names[index], what] += 1

@@ -1,0 +1,121 @@
+"""The cycle, at an absolute deadline each time: write and read the bus, estimate, supervise, control, limit.
+
+The goals written are those computed in the cycle before, so that they leave with no more jitter than the
+wake-up has. The same code runs on wall time and on simulated time.
+"""
+
+import hashlib
+import struct
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+from robotwalk.clock import Grid
+from robotwalk.controller import Controller, Wanted
+from robotwalk.estimator import Estimate, Odometry
+from robotwalk.feedforward import Feedforward
+from robotwalk.limits import Gate
+from robotwalk.ports import Clock, ServoBus
+from robotwalk.recorder import Row
+from robotwalk.supervisor import State, Supervisor
+from robotwalk.timing import Histogram
+from robotwalk.types import STILL, Command, JointState
+
+_NS = 1_000_000_000
+
+
+class Tick(NamedTuple):
+    """What one turn of the cycle did."""
+
+    time: int  # ns, the deadline
+    state: State
+    joints: JointState
+    estimate: Estimate
+    wanted: Wanted
+    goals: tuple[float, ...]
+
+
+class Loop:
+    """Runs the cycle of one robot. `command` may be changed between ticks."""
+
+    def __init__(
+        self,
+        *,
+        rate_hz: int,
+        clock: Clock,
+        bus: ServoBus,
+        controller: Controller,
+        odometry: Odometry,
+        feedforward: Feedforward,
+        gate: Gate,
+        supervisor: Supervisor,
+        record: Callable[[Row], None] | None = None,
+    ) -> None:
+        self.rate_hz = rate_hz
+        self.command = Command()
+        self.supervisor = supervisor
+        self.gate = gate
+        self._clock = clock
+        self._bus = bus
+        self._controller = controller
+        self._odometry = odometry
+        self._feedforward = feedforward
+        self._record = record
+        self._period = _NS // rate_hz
+        self._grid = Grid(0, rate_hz)
+        self._goals: tuple[float, ...] = ()
+        self._wanted = Wanted((), STILL, 1.0, (), 0.0, False, False)
+        self.wake, self.exchange, self.compute = Histogram(), Histogram(), Histogram()
+        self._digest = hashlib.sha256()
+        self._packing = struct.Struct(f"<{2 * len(bus.joints)}d")
+
+    @property
+    def missed(self) -> int:
+        """How many grid points were skipped."""
+        return self._grid.missed
+
+    def digest(self) -> str:
+        """Return a hash of every joint position read and every goal sent so far."""
+        return self._digest.hexdigest()
+
+    def begin(self, state: JointState) -> None:
+        """Take over joints that hold their places; the first tick is a period away."""
+        self._controller.start(state.position)
+        self.gate.reset(state.position)
+        self._feedforward.reset(state.position)
+        self._goals = state.position
+        self._wanted = self._wanted._replace(planted=())
+        self._grid = Grid(self._clock.now() + self._period, self.rate_hz)
+
+    def tick(self) -> Tick:
+        """Wait for the deadline and turn the cycle once."""
+        clock, dt = self._clock, 1.0 / self.rate_hz
+        deadline = self._grid.deadline
+        clock.wait((), deadline)
+        woke = clock.now()
+        joints = self._bus.exchange(self._goals, self._period)
+        read = clock.now()
+        started = time.perf_counter_ns()
+        tick = self._think(deadline, joints, dt)
+        computed = time.perf_counter_ns() - started
+        self._digest.update(self._packing.pack(*joints.position, *tick.goals))
+        self.wake.add(woke - deadline)
+        self.exchange.add(read - woke)
+        self.compute.add(computed)
+        if self._record is not None:
+            self._record(Row(
+                deadline, tick.state, self.command, tick.wanted.twist, tick.goals, joints, tick.estimate.pose,
+                woke - deadline, read - woke, computed))
+        self._grid.advance(clock.now())
+        return tick
+
+    def _think(self, now: int, joints: JointState, dt: float) -> Tick:
+        """Everything between the bytes read and the goals for the next write."""
+        estimate = self._odometry.step(joints, self._wanted.planted, self._wanted.twist, dt)
+        oldest = max(range(len(joints.age)), key=joints.age.__getitem__)
+        state = self.supervisor.step((self._bus.joints[oldest], joints.age[oldest]), self._wanted.seated)
+        wanted = self._controller.step(state, self.command, estimate, dt)
+        goals = self.gate.step(self._feedforward.step(wanted.angles, dt), dt)
+        self._wanted, self._goals = wanted, goals
+        return Tick(now, state, joints, estimate, wanted, goals)
+

@@ -1,0 +1,167 @@
+"""The robot as locomotion sees it: chains, masses and limits, in SI units and one joint order.
+
+Joints are ordered leg by leg as in the robot's file, and along each leg from the body to the foot.
+"""
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from typing import NamedTuple
+
+from robotwalk.config.schema import FootfallConfig, LegConfig, RobotConfig
+from robotwalk.types import Vec3
+
+
+class Axis(Enum):
+    """A joint's axis in the frame of the link before it, right-handed."""
+
+    ROLL = Vec3(1.0, 0.0, 0.0)
+    PITCH = Vec3(0.0, 1.0, 0.0)
+    YAW = Vec3(0.0, 0.0, 1.0)
+
+
+class Joint(NamedTuple):
+    """A revolute joint and the link that it moves."""
+
+    name: str
+    axis: Axis
+    link: Vec3  # to the next joint or the foot's centre, in the moved frame
+    lower: float  # rad
+    upper: float  # rad
+    rest: float  # rad
+    mass: float  # kg of the link
+    radius: float  # m of the link's capsule
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A serial chain on the body, and how far its foot may go."""
+
+    name: str
+    mount: Vec3  # in the base frame
+    yaw: float  # of the mount's x axis in the base frame
+    joints: tuple[Joint, ...]
+    first: int  # index of its first joint among the robot's
+    rest_foot: Vec3  # centre of the resting foot in the base frame, the body at standing height
+    max_stride: float  # m
+    lift: float  # m
+
+    @property
+    def span(self) -> slice:
+        """Where its joints lie in the robot's joint order."""
+        return slice(self.first, self.first + len(self.joints))
+
+
+class Heights(NamedTuple):
+    """Heights of the base's origin above the ground, m."""
+
+    sit: float
+    stand: float
+    lowest: float
+    highest: float
+
+
+class MotionLimits(NamedTuple):
+    """How fast the body may go."""
+
+    speed: float  # m/s
+    turn: float  # rad/s
+    acceleration: float  # m/s^2
+    turn_acceleration: float  # rad/s^2
+    min_swing: float  # s
+
+
+@dataclass(frozen=True)
+class RobotModel:
+    """Everything that locomotion knows of a robot."""
+
+    name: str
+    legs: tuple[Leg, ...]
+    body_box: Vec3  # full lengths
+    body_mass: float
+    foot_radius: float
+    foot_mass: float
+    heights: Heights
+    motion: MotionLimits
+    swing_path: str
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """All joints in the one order used everywhere."""
+        return tuple(joint for leg in self.legs for joint in leg.joints)
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints' names, in joint order."""
+        return tuple(joint.name for joint in self.joints)
+
+    @cached_property
+    def mass(self) -> float:
+        """The whole robot's mass, kg."""
+        return self.body_mass + sum(j.mass for j in self.joints) + self.foot_mass * len(self.legs)
+
+    @classmethod
+    def from_config(cls, config: RobotConfig) -> "RobotModel":
+        """Convert a validated file to SI units."""
+        skeleton, motion = config.skeleton, config.locomotion
+        heights = Heights(*(_metres(h) for h in (
+            motion.height_mm.sit, motion.height_mm.stand, motion.height_mm.lowest, motion.height_mm.highest)))
+        foot_radius = _metres(skeleton.foot.radius_mm)
+        legs: list[Leg] = []
+        first = 0
+        for name, leg in skeleton.legs.items():
+            legs.append(_leg(name, leg, motion.feet[name], first, foot_radius - heights.stand))
+            first += len(leg.joints)
+        return cls(
+            name=config.name,
+            legs=tuple(legs),
+            body_box=_vector(skeleton.body.box_mm),
+            body_mass=skeleton.body.mass_g * 1e-3,
+            foot_radius=foot_radius,
+            foot_mass=skeleton.foot.mass_g * 1e-3,
+            heights=heights,
+            motion=MotionLimits(
+                speed=motion.max_speed_mps,
+                turn=math.radians(motion.max_turn_deg_s),
+                acceleration=motion.acceleration_mps2,
+                turn_acceleration=math.radians(motion.turn_acceleration_deg_s2),
+                min_swing=motion.min_swing_s,
+            ),
+            swing_path=motion.swing_path,
+        )
+
+
+def _metres(millimetres: float) -> float:
+    return millimetres * 1e-3
+
+
+def _vector(millimetres: tuple[float, float, float]) -> Vec3:
+    return Vec3(*(_metres(value) for value in millimetres))
+
+
+def _leg(name: str, leg: LegConfig, footfall: FootfallConfig, first: int, foot_z: float) -> Leg:
+    mount, yaw, reach = _vector(leg.mount_mm), math.radians(leg.yaw_deg), _metres(footfall.reach_mm)
+    joints = tuple(
+        Joint(
+            name=f"{name}_{joint}",
+            axis=Axis[row.axis.upper()],
+            link=_vector(row.link_mm),
+            lower=math.radians(row.rest_deg + row.limits_deg[0]),
+            upper=math.radians(row.rest_deg + row.limits_deg[1]),
+            rest=math.radians(row.rest_deg),
+            mass=row.mass_g * 1e-3,
+            radius=_metres(row.radius_mm),
+        )
+        for joint, row in leg.joints.items()
+    )
+    return Leg(
+        name=name,
+        mount=mount,
+        yaw=yaw,
+        joints=joints,
+        first=first,
+        rest_foot=Vec3(mount.x + reach * math.cos(yaw), mount.y + reach * math.sin(yaw), foot_z),
+        max_stride=_metres(footfall.max_stride_mm),
+        lift=_metres(footfall.lift_mm),
+    )

@@ -1,0 +1,79 @@
+"""What the loop needs from outside itself. `hal` and `sim_backend` implement these.
+
+Time is an integer count of nanoseconds on a clock that never goes back. Whatever blocks, blocks in
+`Clock.wait`, so that simulated time can pass there.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from robotwalk.types import BusStatistics, JointState
+
+
+class BytePort(Protocol):
+    """One end of a serial line. No call blocks."""
+
+    def fileno(self) -> int:
+        """Return the descriptor that `WallClock` polls, or -1 where there is none (simulated)."""
+        ...
+
+    def write(self, data: bytes) -> None:
+        """Queue `data` for sending."""
+        ...
+
+    def waiting(self) -> int:
+        """Return how many bytes have arrived and were not read yet."""
+        ...
+
+    def read(self) -> bytes:
+        """Return every byte that has arrived and was not read yet; b"" if there is none."""
+        ...
+
+    def close(self) -> None:
+        """Give the line back. May be called twice."""
+        ...
+
+
+class Clock(Protocol):
+    """Wall time, or simulated time that passes only while somebody waits."""
+
+    def now(self) -> int:
+        """Return the time in ns."""
+        ...
+
+    def wait(self, ports: Sequence[BytePort], deadline: int) -> None:
+        """Return once a port has bytes to read or the clock has reached `deadline` (ns), if not already."""
+        ...
+
+
+class ServoBus(Protocol):
+    """All the robot's joints, over however many wires."""
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints' names; every sequence below is in this order."""
+        ...
+
+    def arm(self) -> JointState:
+        """Find every servo, let it hold where it is, switch torque on.
+
+        Raises:
+            BusError: a servo is missing or is another model. Torque is then off.
+        """
+        ...
+
+    def exchange(self, goals: Sequence[float], period: int) -> JointState:
+        """Write the goals (rad) to all joints and read all of them back, within `period` ns."""
+        ...
+
+    def disarm(self) -> None:
+        """Switch torque off. Never raises."""
+        ...
+
+    def close(self) -> None:
+        """Disarm and give the ports back. Never raises."""
+        ...
+
+    def statistics(self) -> Mapping[str, BusStatistics]:
+        """Return what each bus carried, by its name."""
+        ...

@@ -1,0 +1,218 @@
+"""One robot, from its chair and back: `stand`, `walk`, `sit`."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from types import TracebackType
+from typing import NamedTuple, Self
+
+from robotwalk.errors import SafetyStop, UsageError
+from robotwalk.interrupts import Interrupts
+from robotwalk.loop import Loop, Tick
+from robotwalk.model import RobotModel
+from robotwalk.ports import ServoBus
+from robotwalk.recorder import Event, Recorder
+from robotwalk.supervisor import Request, State
+from robotwalk.types import LEVEL, STILL, BusStatistics, Command, JointState, Pose, Twist
+
+_LONGEST_STAND_UP = 15.0  # s; so long as this, something blocks it
+_LONGEST_SIT_DOWN = 20.0  # s, the last steps included
+
+
+class RobotState(NamedTuple):
+    """What is known of the robot now."""
+
+    state: State
+    joints: JointState
+    odometry: Pose  # of the base in odom, by leg odometry
+    twist: Twist  # commanded to the legs, after scaling
+
+
+class Robot:
+    """A robot on its bus. Leaving the block, by any path, seats it and switches torque off.
+
+    Each call that moves the robot returns when the motion is over. Ctrl-C, SIGTERM and SIGHUP are taken
+    between ticks: the first one leaves the block, so the robot sits; one more freezes it as it is, with
+    torque on.
+    """
+
+    def __init__(
+        self, model: RobotModel, gaits: Sequence[str], loop: Loop, bus: ServoBus, recorder: Recorder | None = None
+    ) -> None:
+        self.model = model
+        self.gaits = tuple(gaits)
+        self.loop = loop
+        self.events: list[Event] = []
+        self.observers: list[Callable[[Tick], None]] = []
+        self._bus = bus
+        self._recorder = recorder
+        self._interrupts = Interrupts()
+        self._seconds = 0.0
+        self._last: Tick | None = None
+        self._frozen = False
+
+    def __enter__(self) -> Self:
+        self._interrupts.install()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def state(self) -> RobotState:
+        """What is known of the robot now.
+
+        Raises:
+            UsageError: it was never armed, so nothing is known.
+        """
+        if self._last is None:
+            raise UsageError("nothing is known of the robot's joints before stand()")
+        last = self._last
+        return RobotState(self.loop.supervisor.state, last.joints, last.estimate.pose, last.wanted.twist)
+
+    def stand(self) -> None:
+        """Arm if need be and stand up, or stop walking and stand.
+
+        Raises:
+            BusError: a servo is missing.
+            SafetyStop: the robot had to sit down.
+        """
+        state = self.loop.supervisor.state
+        if state is State.STOP:
+            self._arm()
+        self.loop.command = Command()
+        self._request(Request.HALT if state is State.WALK else Request.STAND)
+        self._run(_LONGEST_STAND_UP, until=lambda tick: tick.wanted.standing, what="stand")
+
+    def walk(
+        self, vx: float = 0.0, vy: float = 0.0, wz: float = 0.0, *, seconds: float, gait: str | None = None,
+        heading: float | None = None, height: float | None = None, posture: Pose = LEVEL,
+    ) -> None:
+        """Walk for `seconds`, then stop and stand.
+
+        Args:
+            vx: speed forwards, m/s.
+            vy: speed to the left, m/s.
+            wz: turn to the left, rad/s.
+            seconds: how long; slowing down comes on top.
+            gait: its name; None is the robot's default.
+            heading: where to face, rad in odom, in place of `wz`; turned to and held.
+            height: of the base above the ground, m; None is the robot's own.
+            posture: displacement of the body from its course, m and rad, in the base frame.
+
+        Raises:
+            UsageError: a value makes no sense, or the robot does not stand.
+            SafetyStop: the robot had to sit down.
+        """
+        self.command(Command(Twist(vx, vy, wz), heading, height, posture, gait))
+        if self.loop.supervisor.state is not State.WALK:
+            self._request(Request.WALK)
+        self._run(seconds)
+        self.loop.command = self.loop.command._replace(twist=STILL, heading=None)
+        self._request(Request.HALT)
+        self._run(_LONGEST_SIT_DOWN, until=lambda tick: tick.wanted.standing, what="stop")
+
+    def command(self, command: Command) -> None:
+        """Change what the robot is to do, from the next tick on.
+
+        Raises:
+            UsageError: a value makes no sense; the command before stays in force.
+        """
+        numbers = [*command.twist, *command.posture, command.heading or 0.0, command.height or 0.0]
+        if not all(math.isfinite(number) for number in numbers):
+            raise UsageError(f"a command needs finite numbers, not {command}")
+        if command.gait is not None and command.gait not in self.gaits:
+            raise UsageError(f"{self.model.name} has no gait {command.gait!r}; it has {', '.join(self.gaits)}")
+        heights = self.model.heights
+        if command.height is not None and not heights.lowest <= command.height <= heights.highest:
+            raise UsageError(
+                f"height {command.height} m is outside {heights.lowest} to {heights.highest} m of {self.model.name}")
+        self.loop.command = command
+
+    def sit(self) -> None:
+        """Step to rest, sit down, switch torque off. Does nothing to a robot whose torque is off."""
+        state = self.loop.supervisor.state
+        if state in (State.STAND, State.WALK):
+            self.loop.command = Command()
+            self._request(Request.SIT)
+            state = State.SIT
+        if state is State.SIT:
+            self._run(_LONGEST_SIT_DOWN, until=lambda tick: tick.state is State.READY, what="sit")
+        self._disarm()
+
+    def bus_statistics(self) -> Mapping[str, BusStatistics]:
+        """Return what each bus carried, by its name."""
+        return self._bus.statistics()
+
+    def note(self, kind: str, text: str) -> None:
+        """Add an event to the run's list."""
+        event = Event(round(self._seconds, 3), kind, text)
+        self.events.append(event)
+        if self._recorder is not None:
+            self._recorder.event(self._last.time if self._last else 0, event)
+
+    def close(self) -> None:
+        """Sit down if need be, switch torque off, give the ports back."""
+        try:
+            if not self._frozen:
+                self.sit()
+        except (KeyboardInterrupt, SystemExit):
+            self._freeze()
+            raise
+        finally:
+            self._interrupts.restore()
+            if not self._frozen:
+                self._bus.close()
+            if self._recorder is not None:
+                self._recorder.close()
+
+    def _request(self, request: Request) -> None:
+        self.loop.supervisor.request(request)
+        self.note("state", self.loop.supervisor.state.value)
+
+    def _arm(self) -> None:
+        self._request(Request.ARM)
+        try:
+            self.loop.begin(self._bus.arm())
+        except BaseException:
+            self._disarm()
+            raise
+
+    def _disarm(self) -> None:
+        self._bus.disarm()
+        if self.loop.supervisor.state is State.READY:
+            self._request(Request.DISARM)
+
+    def _freeze(self) -> None:
+        """Hold every joint where it was last measured, with torque on, and leave it so."""
+        self._frozen = True
+        if self._last is not None:
+            self._bus.exchange(self._last.joints.position, 10_000_000)
+        self.note("freeze", "frozen in place; torque stays on")
+
+    def _run(
+        self, seconds: float, *, until: Callable[[Tick], bool] = lambda tick: False, what: str | None = None
+    ) -> None:
+        """Turn the cycle for some time or until something is so; `what` names a motion that must end by then."""
+        for _ in range(round(seconds * self.loop.rate_hz)):
+            tick = self.loop.tick()
+            self._last = tick
+            self._seconds += 1.0 / self.loop.rate_hz
+            for observer in self.observers:
+                observer(tick)
+            if tick.state is State.STOP:
+                raise self._stopped()
+            if until(tick):
+                return
+            self._interrupts.check()
+        if what is not None:
+            self.note("timeout", f"{what} took longer than {seconds:.0f} s")
+            raise SafetyStop(f"the robot could not {what} within {seconds:.0f} s")
+
+    def _stopped(self) -> SafetyStop:
+        """Switch torque off after a fault has brought the robot down."""
+        self._bus.disarm()
+        reason = self.loop.supervisor.fault or "it was stopped"
+        self.note("safety_stop", reason)
+        return SafetyStop(f"the robot sat down and switched torque off because {reason}")

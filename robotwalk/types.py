@@ -1,0 +1,80 @@
+"""What passes between the stages: small, immutable, in SI units and radians.
+
+Frames are REP-103 and REP-105: `odom` stands still, z up; `base` is the body's, x forward, y left, z up.
+"""
+
+from typing import NamedTuple
+
+
+class Vec3(NamedTuple):
+    """A point or a vector, in metres unless its name says otherwise."""
+
+    x: float
+    y: float
+    z: float
+
+
+class Twist(NamedTuple):
+    """A planar velocity of the body, in the base frame."""
+
+    vx: float  # m/s
+    vy: float  # m/s
+    wz: float  # rad/s, counter-clockwise
+
+
+class Pose(NamedTuple):
+    """Position and attitude, as intrinsic yaw, pitch, roll."""
+
+    x: float
+    y: float
+    z: float
+    roll: float
+    pitch: float
+    yaw: float
+
+
+LEVEL = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+STILL = Twist(0.0, 0.0, 0.0)
+
+
+class Command(NamedTuple):
+    """What the driver asks of a robot that stands."""
+
+    twist: Twist = STILL
+    heading: float | None = None  # rad, in odom; turns there and holds it, in place of twist.wz
+    height: float | None = None  # m, base above the ground; None is the robot's own
+    posture: Pose = LEVEL  # displacement of the body from its course, in the base frame
+    gait: str | None = None  # None is the robot's default
+
+
+class JointState(NamedTuple):
+    """All joints as last heard from, in the robot's joint order.
+
+    A joint that did not answer keeps its last values; `valid` is then False and `age` grows. Effort is a
+    share of the servo's largest output, -1 to 1: a duty cycle or a current, as the servo measures.
+    """
+
+    position: tuple[float, ...]  # rad
+    velocity: tuple[float, ...]  # rad/s
+    effort: tuple[float, ...]
+    valid: tuple[bool, ...]
+    age: tuple[float, ...]  # s since the joint last answered
+
+
+class DriveResponse(NamedTuple):
+    """How a joint's position servo follows a goal near rest: goal = q + damping q' + inertia q''."""
+
+    damping: float  # s
+    inertia: float  # s^2
+    max_speed: float  # rad/s without load
+
+
+class BusStatistics(NamedTuple):
+    """What one bus carried since it was opened."""
+
+    tx_bytes: int
+    rx_bytes: int
+    transactions: int
+    lost_replies: int  # joint samples asked for and not received
+    bad_frames: int
+    max_age: float  # s, the longest that any joint was out of date

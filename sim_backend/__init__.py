@@ -1,0 +1,1 @@
+"""A robot that is not there: real bytes in, a MuJoCo body moves, real bytes out."""

@@ -1,0 +1,367 @@
+"""Paints a MuJoCo scene with Pillow alone: the same picture on every machine, GL or not.
+
+Limbs are flat areas of a few tones, painted from far to near over a tiled ground with soft shadows.
+Every area is the exact outline of "lit at least this much" on its solid, so the tones meet without seams.
+Whatever could fade smoothly goes in steps: few colours keep a GIF small.
+Drawn: planes (the first one, as the ground), boxes, capsules, spheres. Other geoms are left out.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple, Protocol
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageChops, ImageDraw, ImageFilter
+
+Array = NDArray[np.float64]
+Colour = tuple[int, int, int]
+
+AZIMUTH_DEG = 118.0  # three-quarter view: a robot that walks along x comes towards the viewer's right
+ELEVATION_DEG = -31.0
+TILE_M = 0.1
+
+_SUPERSAMPLING = 2
+_SKY: Colour = (226, 233, 240)  # where the ground fades out
+_FLOOR: Colour = (247, 249, 251)
+_INK: Colour = (38, 56, 84)  # tiles and shadows
+_TRAIL: Colour = (240, 178, 122)
+_TILES = 32  # to each side of the robot
+_TILE_DARKNESS = 14  # of 255
+_SHADOW_DARKNESS = 75  # of 255
+_SHADOW_STEPS = 3
+_FLOOR_STEPS = 10
+_NEAR_M = 0.05  # the camera sees nothing nearer than this
+_HAZE = 0.42  # how far the robot's far side fades into the sky
+_HAZE_STEPS = 5
+_OUTLINE = 0.011  # of the camera's distance
+_DEFAULT_GROUPS = 3  # MuJoCo's viewers show the geom groups 0, 1 and 2
+
+_LIGHT = np.array([-0.25, -0.42, 0.87]) / np.linalg.norm([-0.25, -0.42, 0.87])  # towards the light
+_LEVELS = (0.18, 0.58, 0.90)  # cosines of the angle to the light, where the next tone begins
+_TONES = (-0.34, -0.14, 0.0, 0.22)  # towards black (-1) or white (1), from shade to highlight
+_EDGE_TONE = -0.62
+_ARC = 20  # corners of a rounded outline
+
+
+class View(NamedTuple):
+    """What the camera sees of the world in one frame."""
+
+    target: Array  # m, the point in the middle of the picture
+    distance: float  # m, from the camera to the target
+    reach: float  # m, how far the robot extends around the target
+    trail: Array  # (n, 3), m, where the body has been
+
+
+class Painter(Protocol):
+    """Makes a picture of a posed robot."""
+
+    def paint(self, data: mujoco.MjData, view: View) -> Image.Image:
+        """Return an RGB picture of the film's size."""
+        ...
+
+
+class Camera:
+    """A pinhole camera; x goes right and y down in the picture, in pixels."""
+
+    def __init__(self, view: View, fovy_deg: float, size: tuple[int, int]) -> None:
+        azimuth, elevation = math.radians(AZIMUTH_DEG), math.radians(ELEVATION_DEG)
+        level = math.cos(elevation)
+        forward = np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)])
+        right = np.array([math.sin(azimuth), -math.cos(azimuth), 0.0])
+        self._axes = np.column_stack([right, np.cross(forward, right), forward])
+        self._centre = 0.5 * np.array(size)
+        self._focal = 0.5 * size[1] / math.tan(math.radians(fovy_deg) / 2.0)
+        self.eye: Array = view.target - view.distance * forward
+
+    def project(self, points: Array) -> Array:
+        """Return the pixels (n, 2) of points (n, 3) in the world."""
+        seen = (points - self.eye) @ self._axes
+        pixels: Array = self._centre + self._focal * seen[:, :2] / seen[:, 2:]
+        return pixels
+
+    def fill(self, draw: ImageDraw.ImageDraw, polygon: Array, colour: Colour | int) -> None:
+        """Draw a polygon (n, 3), unless it reaches behind the camera."""
+        if np.all((polygon - self.eye) @ self._axes[:, 2] > _NEAR_M):
+            draw.polygon(self.project(polygon).ravel().tolist(), fill=colour)
+
+    def project_lines(self, starts: Array, ends: Array) -> tuple[Array, Array]:
+        """Return the pixels (m, 2) of the ends of line segments (n, 3), less what lies behind the camera."""
+        forward = self._axes[:, 2]
+        before, after = (starts - self.eye) @ forward - _NEAR_M, (ends - self.eye) @ forward - _NEAR_M
+        seen = (before > 0.0) | (after > 0.0)
+        starts, ends, before, after = starts[seen], ends[seen], before[seen, None], after[seen, None]
+        cut = starts + before / np.where(before == after, 1.0, before - after) * (ends - starts)
+        starts, ends = np.where(before < 0.0, cut, starts), np.where(after < 0.0, cut, ends)
+        return self.project(starts), self.project(ends)
+
+
+class Capsule:
+    """A cylinder with round ends; a sphere, if it has no length."""
+
+    def __init__(self, centre: Array, half_axis: Array, radius: float) -> None:
+        self.centre = centre
+        self._half_axis = half_axis
+        self._radius = radius
+
+    def outside(self, box: "Box") -> "Capsule":
+        """Return the capsule without the end that is in the box, if one is."""
+        first, last = box.inside(self.centre, self._half_axis)
+        start, end = (last if first <= -1.0 < last else -1.0), (first if first < 1.0 <= last else 1.0)
+        if end <= start:
+            return self
+        middle = self.centre + 0.5 * (start + end) * self._half_axis
+        return Capsule(middle, 0.5 * (end - start) * self._half_axis, self._radius)
+
+    def silhouette(self, towards: Array, margin: float) -> Iterator[Array]:
+        """Yield polygons (n, 3) that together cover it, grown by `margin`, as seen from `towards`."""
+        along = self._half_axis - (self._half_axis @ towards) * towards
+        if not along.any():
+            along = _across(towards)
+        along = _unit(along)
+        angle = np.linspace(-0.5 * math.pi, 0.5 * math.pi, _ARC)
+        end = (self._radius + margin) * _arc(angle, along, np.cross(towards, along))
+        yield self.centre + np.concatenate([end + self._half_axis, -end - self._half_axis])
+
+    def areas(self, towards: Array) -> Iterator[tuple[float, Array]]:
+        """Yield what is seen from `towards`, as tones and polygons (n, 3), in the order of painting."""
+        ends = (self._half_axis, -self._half_axis) if self._half_axis.any() else (self._half_axis,)
+        for end in sorted(ends, key=lambda end: float(end @ towards)):
+            for tone, directions in zip(_TONES, _lit_caps(towards), strict=True):
+                yield tone, self.centre + end + self._radius * directions
+        if self._half_axis.any():
+            for tone, directions in self._lit_bands(towards):
+                rim = self._radius * directions
+                yield tone, self.centre + np.concatenate([rim + self._half_axis, rim[::-1] - self._half_axis])
+
+    def _lit_bands(self, towards: Array) -> Iterator[tuple[float, Array]]:
+        """Yield arcs of normals (n, 3) across the cylinder that are lit enough for each tone."""
+        axis = _unit(self._half_axis)
+        facing = towards - (towards @ axis) * axis
+        facing = _unit(facing) if facing.any() else _across(axis)
+        sideways = np.cross(axis, facing)
+        light = (float(_LIGHT @ facing), float(_LIGHT @ sideways))
+        brightest, strength = math.atan2(light[1], light[0]), math.hypot(*light)
+        quarter = 0.5 * math.pi
+        yield _TONES[0], _arc(np.linspace(-quarter, quarter, _ARC), facing, sideways)
+        for level, tone in zip(_LEVELS, _TONES[1:], strict=True):
+            half = math.acos(min(1.0, level / max(strength, 1e-9)))
+            first, last = max(-quarter, brightest - half), min(quarter, brightest + half)
+            if first < last:
+                yield tone, _arc(np.linspace(first, last, _ARC), facing, sideways)
+
+
+class Box:
+    """A box; `half_axes` (3, 3) has one half edge per row."""
+
+    def __init__(self, centre: Array, half_axes: Array) -> None:
+        self.centre = centre
+        self._half_axes = half_axes
+
+    def inside(self, centre: Array, half_axis: Array) -> tuple[float, float]:
+        """Return the range of t in which `centre` + t `half_axis` is in the box; (1, -1) if nowhere."""
+        squares = np.sum(self._half_axes**2, axis=1)
+        middle = self._half_axes @ (self.centre - centre) / squares
+        slope = self._half_axes @ half_axis / squares
+        slope = np.where(np.abs(slope) < 1e-9, 1e-9, slope)
+        bounds = np.sort(np.stack([(middle - 1.0) / slope, (middle + 1.0) / slope]), axis=0)
+        first, last = float(bounds[0].max()), float(bounds[1].min())
+        return (first, last) if first < last else (1.0, -1.0)
+
+    def silhouette(self, towards: Array, margin: float) -> Iterator[Array]:
+        """Yield polygons (n, 3) that together cover it, grown by `margin`, as seen from `towards`."""
+        lengths = np.linalg.norm(self._half_axes, axis=1, keepdims=True)
+        for _, face in _faces(self._half_axes * (1.0 + margin / lengths)):
+            yield self.centre + face
+
+    def areas(self, towards: Array) -> Iterator[tuple[float, Array]]:
+        """Yield what is seen from `towards`, as tones and polygons (n, 3), in the order of painting."""
+        for normal, face in _faces(self._half_axes):
+            if normal @ towards > 0.0:
+                level = int(np.searchsorted(_LEVELS, normal @ _LIGHT))
+                yield _TONES[level], self.centre + face
+
+
+Solid = Capsule | Box
+
+
+class CapsulePainter:
+    """Paints the model's geoms; see the module."""
+
+    def __init__(self, model: mujoco.MjModel, size: tuple[int, int]) -> None:
+        self._model = model
+        self._size = (size[0] * _SUPERSAMPLING, size[1] * _SUPERSAMPLING)
+        self._fovy_deg = float(model.vis.global_.fovy)
+        shown = (model.geom_group < _DEFAULT_GROUPS) & (model.geom_rgba[:, 3] > 0.0)
+        self._geoms = [int(geom) for geom in np.flatnonzero(shown)]
+        planes = np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE)
+        self._ground = int(planes[0]) if planes.size else None
+        self._floor, self._fade = _floor(self._size), _tile_strength(size)
+
+    def paint(self, data: mujoco.MjData, view: View) -> Image.Image:
+        """Return an RGB picture of the film's size."""
+        camera = Camera(view, self._fovy_deg, self._size)
+        solids = self._solids(data)
+        picture = self._paint_ground(camera, data, view, list(solids.values()))
+        draw = ImageDraw.Draw(picture)
+
+        def order(geom: int) -> tuple[bool, float]:
+            """Put the terrain behind the robot, and what is far behind what is near."""
+            robot = bool(self._model.geom_bodyid[geom] != 0)
+            return robot, -float(np.linalg.norm(solids[geom].centre - camera.eye))
+
+        for geom in sorted(solids, key=order):
+            solid = solids[geom]
+            towards = _unit(camera.eye - solid.centre)
+            colour = self._model.geom_rgba[geom, :3]
+            depth = float((view.target - solid.centre) @ _unit(camera.eye - view.target)) / view.reach
+            haze = _HAZE * round(_HAZE_STEPS * min(1.0, max(0.0, 0.5 + 0.5 * depth))) / _HAZE_STEPS
+            for outline in solid.silhouette(towards, 0.4 * _OUTLINE * view.distance):
+                camera.fill(draw, outline, _tint(colour, _EDGE_TONE, haze))
+            for tone, area in solid.areas(towards):
+                camera.fill(draw, area, _tint(colour, tone, haze))
+        return picture.reduce(_SUPERSAMPLING)
+
+    def _solids(self, data: mujoco.MjData) -> dict[int, Solid]:
+        """Return what is to be painted, by geom; limbs begin where they leave the body's box."""
+        solids = {geom: solid for geom in self._geoms if (solid := self._solid(geom, data)) is not None}
+        for box in [solid for solid in solids.values() if isinstance(solid, Box)]:
+            for geom, solid in solids.items():
+                if isinstance(solid, Capsule):
+                    solids[geom] = solid.outside(box)
+        return solids
+
+    def _solid(self, geom: int, data: mujoco.MjData) -> Solid | None:
+        """Return the geom as a solid where it stands, or None if it is of another kind."""
+        kind, size = self._model.geom_type[geom], self._model.geom_size[geom]
+        centre, axes = data.geom_xpos[geom].copy(), data.geom_xmat[geom].reshape(3, 3).T
+        if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
+            return Capsule(centre, np.zeros(3), float(size[0]))
+        if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
+            return Capsule(centre, axes[2] * size[1], float(size[0]))
+        if kind == mujoco.mjtGeom.mjGEOM_BOX:
+            return Box(centre, axes * size[:, None])
+        return None
+
+    def _paint_ground(
+        self, camera: Camera, data: mujoco.MjData, view: View, solids: list[Solid]
+    ) -> Image.Image:
+        """Return the floor with its tiles, the shadows and the body's trail."""
+        origin, axes = np.zeros(3), np.eye(3)
+        if self._ground is not None:
+            origin, axes = data.geom_xpos[self._ground].copy(), data.geom_xmat[self._ground].reshape(3, 3).T
+        stripes = [self._stripes(camera, view.target, origin, axes[[along, 1 - along]]) for along in (0, 1)]
+        tiles = ImageChops.multiply(ImageChops.difference(*stripes), self._fade)
+        tiles = tiles.resize(self._size, Image.Resampling.NEAREST)
+        picture = self._floor.copy()
+        picture.paste(_INK, mask=ImageChops.add(tiles, self._shadows(camera, origin, axes[2], solids)))
+        trail = view.trail - ((view.trail - origin) @ axes[2])[:, None] * axes[2]
+        draw = ImageDraw.Draw(picture)
+        for start, end in zip(*camera.project_lines(trail[:-1], trail[1:]), strict=True):
+            draw.line([*start, *end], fill=_TRAIL, width=2 * _SUPERSAMPLING)
+        return picture
+
+    def _stripes(self, camera: Camera, target: Array, origin: Array, axes: Array) -> Image.Image:
+        """Return every other stripe along the ground's first axis, as a mask; two such masks make tiles."""
+        along, over = axes @ (target - origin)
+        numbers = np.arange(-_TILES, _TILES) + 2 * round(0.5 * over / TILE_M)
+        middle = origin + along * axes[0] + (TILE_M * numbers)[:, None] * axes[1]
+        reach = TILE_M * _TILES * axes[0]
+        starts, ends = camera.project_lines(middle - reach, middle + reach)
+        mask = Image.new("L", self._fade.size)  # antialiased, the tiles would make up half the file
+        draw = ImageDraw.Draw(mask)
+        for first in range(0, len(starts) - 1, 2):
+            corners = np.stack([starts[first], ends[first], ends[first + 1], starts[first + 1]])
+            draw.polygon((corners / _SUPERSAMPLING).ravel().tolist(), fill=_TILE_DARKNESS)
+        return mask
+
+    def _shadows(self, camera: Camera, origin: Array, normal: Array, solids: list[Solid]) -> Image.Image:
+        """Return the solids' shadows on the ground, as a mask."""
+        mask = Image.new("L", self._size)
+        draw = ImageDraw.Draw(mask)
+        for solid in solids:
+            for outline in solid.silhouette(_LIGHT, 0.0):
+                fall = (outline - origin) @ normal / float(_LIGHT @ normal)
+                camera.fill(draw, outline - fall[:, None] * _LIGHT, _SHADOW_DARKNESS)
+        step = _SHADOW_DARKNESS // _SHADOW_STEPS
+        soft = mask.filter(ImageFilter.BoxBlur(1.5 * _SUPERSAMPLING))
+        return soft.point([step * round(value / step) for value in range(256)])
+
+
+def _unit(vector: Array) -> Array:
+    result: Array = vector / math.sqrt(float(vector @ vector))
+    return result
+
+
+def _across(vector: Array) -> Array:
+    """Return some unit vector at a right angle to `vector`."""
+    least = np.zeros(3)
+    least[int(np.argmin(np.abs(vector)))] = 1.0
+    return _unit(np.cross(vector, least))
+
+
+def _arc(angles: Array, start: Array, sideways: Array) -> Array:
+    """Return the directions (n, 3) at `angles` from `start` towards `sideways`."""
+    directions: Array = np.outer(np.cos(angles), start) + np.outer(np.sin(angles), sideways)
+    return directions
+
+
+def _circle(axis: Array) -> Array:
+    """Return the directions (n, 3) at a right angle to `axis`."""
+    side = _across(axis)
+    return _arc(np.linspace(0.0, 2.0 * math.pi, 2 * _ARC), side, np.cross(axis, side))
+
+
+def _light_circles() -> Array:
+    """Return the directions (levels, n, 3) at each level's angle around the light."""
+    around = _circle(_LIGHT)
+    return np.stack([level * _LIGHT + math.sqrt(1.0 - level**2) * around for level in _LEVELS])
+
+
+_LIGHT_CIRCLES = _light_circles()
+
+
+def _lit_caps(towards: Array) -> Iterator[Array]:
+    """Yield the areas of a unit sphere (n, 3) that have each tone, as seen from `towards`."""
+    yield _circle(towards)
+    for circle in _LIGHT_CIRCLES:
+        hidden = np.minimum(circle @ towards, 0.0)  # what lies behind the rim moves onto it
+        rim = circle - hidden[:, None] * towards
+        yield rim / np.linalg.norm(rim, axis=1, keepdims=True)
+
+
+def _faces(half_axes: Array) -> Iterator[tuple[Array, Array]]:
+    """Yield the outer normal and the corners (4, 3) of a box's faces, around its centre."""
+    for axis in range(3):
+        out, up, side = half_axes[axis], half_axes[axis - 1], half_axes[axis - 2]
+        for sign in (-1.0, 1.0):
+            yield sign * _unit(out), sign * out + np.stack([up + side, up - side, -up - side, side - up])
+
+
+def _floor(size: tuple[int, int]) -> Image.Image:
+    """Return the ground without tiles; it fades into the sky towards the top."""
+    near = _steps(np.linspace(0.0, 1.0, size[1]) / 0.6)[:, None, None]
+    rows = np.array(_SKY) + near * (np.array(_FLOOR, float) - np.array(_SKY))
+    return Image.fromarray(np.repeat(rows, size[0], axis=1).astype(np.uint8))
+
+
+def _tile_strength(size: tuple[int, int]) -> Image.Image:
+    """Return how much of the tiles is seen, as a mask."""
+    near = _steps((np.linspace(0.0, 1.0, size[1]) - 0.25) / 0.45)[:, None]
+    return Image.fromarray(np.repeat(255.0 * near, size[0], axis=1).astype(np.uint8))
+
+
+def _steps(share: Array) -> Array:
+    """Return `share`, limited to 0 to 1, in steps."""
+    steps: Array = np.round(_FLOOR_STEPS * np.clip(share, 0.0, 1.0)) / _FLOOR_STEPS
+    return steps
+
+
+def _tint(rgb: Array, tone: float, haze: float) -> Colour:
+    """Return a colour made darker or lighter, then mixed with the sky."""
+    pole = np.ones(3) if tone > 0.0 else np.array(_INK) / 255.0 * 0.4
+    toned = rgb + abs(tone) * (pole - rgb)
+    mixed = 255.0 * toned + haze * (np.array(_SKY) - 255.0 * toned)
+    red, green, blue = (round(float(part)) for part in mixed)
+    return red, green, blue

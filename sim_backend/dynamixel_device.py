@@ -1,0 +1,305 @@
+"""The device side of Dynamixel Protocol 2.0: all servos of one bus, seen from the wire.
+
+    FF FF FD 00 | id | length lo, hi | instruction | parameters | crc lo, hi
+    FF FF FD 00 | id | length lo, hi | 55 | error | data | crc lo, hi              (status)
+
+The length counts from the instruction on. From there to the parameters' end, FF FF FD is followed by an extra
+FD (stuffing). The CRC covers the stuffed frame. Source: ROBOTIS e-Manual, Protocol 2.0.
+
+Not modelled: collisions. Of servos that share an id all obey, and the first one's answer is heard unharmed.
+"""
+
+import struct
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from enum import IntEnum
+from typing import NamedTuple
+
+from fastcrc import crc16
+
+from sim_backend.control_table import ErrorNumber, StatusError
+from sim_backend.fake_servo import FakeServo
+
+BROADCAST = 0xFE
+_HEADER = b"\xff\xff\xfd\x00"  # the reserved byte tells it from stuffed data
+_STUFFED = (b"\xff\xff\xfd", b"\xff\xff\xfd\xfd")
+_STATUS = 0x55
+_PROLOGUE = 7  # bytes up to the length's end
+_INVALID_IDS = (0xFD, 0xFF)
+_LENGTHS = range(3, 1025)  # beyond: a false header in noise
+_LARGEST_FRAME = 0xFFFF  # what the two bytes of a length can say
+_GAP_NS = 1_500_000  # a longer pause inside a frame drops it (e-Manual)
+_PING_SLOT_NS = 3_000_000  # per id, after a broadcast ping: what ROBOTIS's libraries allow for
+_RANGE = struct.Struct("<HH")  # address, length
+_BITS_PER_BYTE = 10  # 8N1
+_NS = 1_000_000_000
+
+
+class Instruction(IntEnum):
+    """The instructions that these servos know."""
+
+    PING = 0x01
+    READ = 0x02
+    WRITE = 0x03
+    REG_WRITE = 0x04
+    ACTION = 0x05
+    REBOOT = 0x08
+    SYNC_READ = 0x82
+    SYNC_WRITE = 0x83
+    FAST_SYNC_READ = 0x8A
+
+
+class StatusReturnLevel(IntEnum):
+    """What is answered at all; a ping always is."""
+
+    PING = 0
+    READ = 1
+    ALL = 2
+
+
+_ANSWERED_FROM: dict[int, int] = {  # the others from ALL
+    Instruction.PING: StatusReturnLevel.PING, Instruction.READ: StatusReturnLevel.READ}
+
+
+class Reply(NamedTuple):
+    """A burst of bytes from the bus."""
+
+    delay_ns: int  # after the end of the reply before it, or of the instruction
+    data: bytes
+
+
+class Packet(NamedTuple):
+    """An instruction as received."""
+
+    id: int
+    instruction: int
+    parameters: bytes
+    intact: bool  # whether the CRC is right
+
+
+class InstructionParser:
+    """Finds frames in what arrives on the wire, piece by piece."""
+
+    def __init__(self) -> None:
+        self._buffer = bytearray()
+        self._last_byte_at = 0
+
+    def feed(self, data: bytes, now: int, byte_ns: int) -> Iterator[Packet]:
+        """Take bytes, without pauses between them, the last of which arrives at `now`; yield whole frames."""
+        if now - len(data) * byte_ns - self._last_byte_at > _GAP_NS:
+            self._buffer.clear()
+        self._last_byte_at = now
+        self._buffer += data
+        while (packet := self._next()) is not None:
+            yield packet
+
+    def _next(self) -> Packet | None:
+        buffer = self._buffer
+        while self._align():
+            end = _PROLOGUE + (buffer[5] | buffer[6] << 8)
+            restart = buffer.find(_HEADER, len(_HEADER), min(end - 2, len(buffer)))
+            if restart > 0:  # stuffing keeps headers out of a frame: this one was broken off
+                del buffer[:restart]
+                continue
+            if len(buffer) < end:
+                return None
+            frame = bytes(buffer[:end])
+            intact = crc16.umts(frame[:-2]) == frame[-2] | frame[-1] << 8
+            del buffer[:end if intact else len(_HEADER)]
+            body = frame[_PROLOGUE:-2].replace(_STUFFED[1], _STUFFED[0])
+            return Packet(frame[4], body[0], body[1:], intact)
+        return None
+
+    def _align(self) -> bool:
+        """Skip noise and false headers. Return whether a frame begins the buffer, its length known."""
+        buffer = self._buffer
+        while True:
+            start = buffer.find(_HEADER)
+            if start < 0:
+                del buffer[:max(0, len(buffer) - len(_HEADER) + 1)]
+                return False
+            del buffer[:start]
+            if len(buffer) < _PROLOGUE:
+                return False
+            if buffer[4] not in _INVALID_IDS and buffer[5] | buffer[6] << 8 in _LENGTHS:
+                return True
+            del buffer[:len(_HEADER)]
+
+
+class DynamixelDevice:
+    """All servos of one bus."""
+
+    def __init__(self, servos: Sequence[FakeServo]) -> None:
+        self._servos = tuple(servos)
+        self._parser = InstructionParser()
+
+    def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
+        """Take bytes, the last of which arrives at `now` ns; return what is answered, in order."""
+        byte_ns = _BITS_PER_BYTE * _NS // baud
+        replies: list[Reply] = []
+        for packet in self._parser.feed(data, now, byte_ns):
+            listening = [servo for servo in self._servos if servo.listens(now, baud)]
+            if not packet.intact:
+                replies += _report_bad_crc(packet, listening)
+            elif packet.instruction != _STATUS:
+                for servo in listening:
+                    servo.hear(now)
+                replies += _answer(packet, listening, now, byte_ns)
+        return replies
+
+
+def _report_bad_crc(packet: Packet, listening: list[FakeServo]) -> list[Reply]:
+    for servo in listening:
+        if servo.id == packet.id and servo.status_return_level == StatusReturnLevel.ALL:
+            return [Reply(servo.return_delay_ns, _status(servo.id, ErrorNumber.CRC | servo.alert))]
+    return []
+
+
+def _answer(packet: Packet, listening: list[FakeServo], now: int, byte_ns: int) -> list[Reply]:
+    if packet.id != BROADCAST:
+        return _answer_one(packet, listening, now)
+    match packet.instruction:
+        case Instruction.PING:
+            return _broadcast_ping(listening, byte_ns)
+        case Instruction.SYNC_READ:
+            return _sync_read(packet.parameters, _by_id(listening), now)
+        case Instruction.FAST_SYNC_READ:
+            return _fast_sync_read(packet.parameters, _by_id(listening), now)
+        case Instruction.SYNC_WRITE:
+            _sync_write(packet.parameters, listening)
+        case _:
+            for servo in listening:
+                _execute(servo, packet.instruction, packet.parameters, now)
+    return []
+
+
+def _by_id(servos: list[FakeServo]) -> dict[int, FakeServo]:
+    return {servo.id: servo for servo in reversed(servos)}  # the first of an id stays
+
+
+def _answer_one(packet: Packet, listening: list[FakeServo], now: int) -> list[Reply]:
+    """Let the addressed servos obey. One that goes by its secondary id does so in silence."""
+    replies: list[Reply] = []
+    for servo in listening:
+        if packet.id not in (servo.id, servo.secondary_id):
+            continue
+        # As they were before: a write may change these, and a reboot does.
+        primary, level = packet.id == servo.id, servo.status_return_level
+        alert, delay = servo.alert, servo.return_delay_ns
+        number, data = _execute(servo, packet.instruction, packet.parameters, now)
+        if primary and not replies and level >= _ANSWERED_FROM.get(packet.instruction, StatusReturnLevel.ALL):
+            replies.append(Reply(delay, _status(packet.id, number | alert, data)))
+    return replies
+
+
+def _execute(servo: FakeServo, instruction: int, parameters: bytes, now: int) -> tuple[int, bytes]:
+    """Return the error number, 0 if none, and the data of the answer."""
+    try:
+        return 0, _perform(servo, instruction, parameters, now)
+    except StatusError as refusal:
+        return refusal.number, b""
+
+
+def _perform(servo: FakeServo, instruction: int, parameters: bytes, now: int) -> bytes:
+    match instruction:
+        case Instruction.PING:
+            return servo.identify()
+        case Instruction.READ:
+            if len(parameters) != _RANGE.size:
+                raise StatusError(ErrorNumber.DATA_LENGTH)
+            address, length = _RANGE.unpack(parameters)
+            return servo.read(address, length, now)
+        case Instruction.WRITE | Instruction.REG_WRITE:
+            if len(parameters) < 2:
+                raise StatusError(ErrorNumber.DATA_LENGTH)
+            write = servo.write if instruction == Instruction.WRITE else servo.register_write
+            write(int.from_bytes(parameters[:2], "little"), parameters[2:])
+        case Instruction.ACTION:
+            servo.action()
+        case Instruction.REBOOT:
+            servo.reboot(now)
+        case _:
+            raise StatusError(ErrorNumber.INSTRUCTION)
+    return b""
+
+
+def _broadcast_ping(listening: list[FakeServo], byte_ns: int) -> list[Reply]:
+    """Every servo answers in the time slot of its id."""
+    replies = []
+    free_at = 0  # after the instruction's end, ns
+    for _, servo in sorted(_by_id(listening).items()):
+        starts = max(free_at, servo.id * _PING_SLOT_NS + servo.return_delay_ns)
+        frame = _status(servo.id, servo.alert, servo.identify())
+        replies.append(Reply(starts - free_at, frame))
+        free_at = starts + len(frame) * byte_ns
+    return replies
+
+
+def _sync_read(parameters: bytes, servos: dict[int, FakeServo], now: int) -> list[Reply]:
+    """Each servo answers behind the one listed before it."""
+    replies: list[Reply] = []
+    if len(parameters) <= _RANGE.size:
+        return replies
+    what = parameters[:_RANGE.size]
+    broken = False  # whether a listed servo stayed silent
+    for servo_id in parameters[_RANGE.size:]:
+        servo = servos.get(servo_id)
+        if servo is None or servo.status_return_level < StatusReturnLevel.READ:
+            broken = True
+        elif not broken or servo.later_ids_answer:
+            number, data = _execute(servo, Instruction.READ, what, now)
+            replies.append(Reply(servo.return_delay_ns, _status(servo_id, number | servo.alert, data)))
+    return replies
+
+
+def _fast_sync_read(parameters: bytes, servos: dict[int, FakeServo], now: int) -> list[Reply]:
+    """All servos build one frame together, without stuffing; it stops where one of them is silent.
+
+    ... 55 | error, id, data, crc | error, id, data, crc | ...   Each CRC covers all bytes before it.
+    """
+    what, ids = parameters[:_RANGE.size], parameters[_RANGE.size:]
+    if not ids:
+        return []
+    _, length = _RANGE.unpack(what)
+    size = 1 + len(ids) * (length + 4)
+    if size > _LARGEST_FRAME:
+        return []
+    pieces = [_HEADER + struct.pack("<BHB", BROADCAST, size, _STATUS)]
+    crc = crc16.umts(pieces[0])
+    for servo_id in ids:
+        servo = servos.get(servo_id)
+        if servo is None or not servo.fast_sync_read or servo.status_return_level < StatusReturnLevel.READ:
+            break
+        number, data = _execute(servo, Instruction.READ, what, now)
+        block = bytes((number | servo.alert, servo_id)) + data.ljust(length, b"\0")
+        checksum = crc16.umts(block, crc).to_bytes(2, "little")
+        crc = crc16.umts(checksum, crc16.umts(block, crc))
+        pieces += block, checksum
+    if len(pieces) == 1:
+        return []
+    return [Reply(servos[ids[0]].return_delay_ns, b"".join(pieces))]
+
+
+def _sync_write(parameters: bytes, listening: list[FakeServo]) -> None:
+    """Write to every listed servo. Nobody answers, so that a refusal goes unseen."""
+    if len(parameters) <= _RANGE.size:
+        return
+    address, length = _RANGE.unpack_from(parameters)
+    starts = range(_RANGE.size, len(parameters), length + 1)
+    if (len(parameters) - _RANGE.size) % (length + 1):
+        return
+    blocks = {parameters[at]: parameters[at + 1:at + 1 + length] for at in starts}
+    for servo in listening:
+        data = blocks.get(servo.id)
+        if data is None and servo.secondary_id is not None:
+            data = blocks.get(servo.secondary_id)
+        if data is not None:
+            with suppress(StatusError):
+                servo.write(address, data)
+
+
+def _status(servo_id: int, error: int, data: bytes = b"") -> bytes:
+    """Return a status packet."""
+    body = (bytes((_STATUS, error)) + data).replace(*_STUFFED)
+    frame = _HEADER + struct.pack("<BH", servo_id, len(body) + 2) + body
+    return frame + crc16.umts(frame).to_bytes(2, "little")

@@ -1,0 +1,72 @@
+"""A simulated robot in one process and in lock-step: its world, its servos, its wires, one clock."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from hal.register_map import ServoModel
+from robotwalk.model import RobotModel
+from sim_backend.dynamixel_device import DynamixelDevice
+from sim_backend.fake_servo import BAUD_RATES, FakeServo
+from sim_backend.servo_physics import ServoPhysics
+from sim_backend.simulated_clock import SimulatedClock
+from sim_backend.wire import SimulatedPort
+from sim_backend.world import Mounting, Truth, World
+
+_NS = 1_000_000_000
+
+
+class SimulatedServo(NamedTuple):
+    """One servo to be made."""
+
+    bus: str
+    id: int
+    model: ServoModel
+    mounting: Mounting
+
+
+class SimulatedRobot:
+    """A seated robot, torque off, whose servos have return delay 0.
+
+    Time passes only in `clock.wait`. Each of `ports` is the host's end of one bus.
+    """
+
+    def __init__(
+        self, model: RobotModel, servos: Sequence[SimulatedServo], bauds: Mapping[str, int], seated: Sequence[float],
+        *, rate_hz: int, seed: int = 0,
+    ) -> None:
+        """Build the robot; `servos` and `seated` (rad) are in joint order.
+
+        Raises:
+            ValueError: a bus has a baud that its servos do not have.
+        """
+        self.clock = SimulatedClock()
+        self.physics = ServoPhysics([servo.model for servo in servos])
+        self.world = World(
+            model, self.physics, [servo.mounting for servo in servos], seated, rate_hz=rate_hz, seed=seed)
+        # Servos find their shafts where the world has put them.
+        self.servos = [
+            FakeServo(
+                self.physics, index, id=servo.id, baud_rate=BAUD_RATES.index(bauds[servo.bus]), return_delay_time=0)
+            for index, servo in enumerate(servos)
+        ]
+        self.ports = {
+            bus: SimulatedPort(self.clock, DynamixelDevice(self._on(bus, servos)), baud) for bus, baud in bauds.items()
+        }
+        self._steps = 0
+        self._schedule_step()
+
+    def truth(self) -> Truth:
+        """Return what is the case now."""
+        return self.world.truth()
+
+    def _on(self, bus: str, servos: Sequence[SimulatedServo]) -> list[FakeServo]:
+        return [fake for fake, servo in zip(self.servos, servos, strict=True) if servo.bus == bus]
+
+    def _schedule_step(self) -> None:
+        """Steps end on an exact grid, so that ticks and steps never drift apart."""
+        self._steps += 1
+        self.clock.schedule(self._steps * _NS // self.world.steps_per_second, self._step)
+
+    def _step(self) -> None:
+        self.world.step(self.clock.now())
+        self._schedule_step()

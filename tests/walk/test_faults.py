@@ -1,0 +1,133 @@
+"""Lost bytes and silent servos: what the robot does then."""
+
+from collections.abc import Callable
+
+import pytest
+
+from robotwalk import assembly
+from robotwalk.errors import BusError, SafetyStop
+from robotwalk.loop import Tick
+from robotwalk.supervisor import State
+from sim_backend.dynamixel_device import Reply
+
+Tamper = Callable[[list[Reply], int], list[Reply]]
+
+
+class TamperedDevice:
+    """Everything on a bus, with someone at the wire on its way back."""
+
+    def __init__(self, device: object, tamper: Tamper) -> None:
+        self.device, self.tamper = device, tamper
+
+    def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
+        return self.tamper(self.device.receive(data, now, baud), now)  # type: ignore[attr-defined]
+
+
+def tampered(tamper: Tamper) -> assembly.Simulation:
+    simulation = assembly.simulate("hexapod")
+    simulation.world.ports["legs"].device = TamperedDevice(simulation.world.ports["legs"].device, tamper)
+    return simulation
+
+
+def seconds(ns: int) -> float:
+    return ns * 1e-9
+
+
+def test_an_unpowered_bus_is_reported_with_the_joints_that_are_missing() -> None:
+    simulation = tampered(lambda replies, now: [])
+    with simulation.robot as robot, pytest.raises(BusError, match=r"lf_coxa \(id 1\).*rr_tibia \(id 18\).*powered"):
+        robot.stand()
+    assert simulation.world.truth().base.z == pytest.approx(0.025, abs=0.003)
+
+
+def test_one_reply_in_twenty_lost_costs_samples_but_no_step() -> None:
+    count = 0
+
+    def lose_some(replies: list[Reply], now: int) -> list[Reply]:
+        nonlocal count
+        if seconds(now) < 0.5:
+            return replies
+        count += 1
+        return [] if count % 20 == 0 else replies
+
+    simulation = tampered(lose_some)
+    with simulation.robot as robot:
+        robot.stand()
+        before = simulation.world.truth().base
+        robot.walk(vx=0.10, seconds=5.0)
+        assert simulation.world.truth().base.x - before.x == pytest.approx(0.5, rel=0.10)
+    lost = robot.bus_statistics()["legs"].lost_replies
+    assert lost > 18 * 20
+    assert lost % 18 == 0
+
+
+def test_a_joint_reply_cut_short_keeps_the_joints_before_the_cut() -> None:
+    def cut(replies: list[Reply], now: int) -> list[Reply]:
+        # 8 bytes of head and 14 a servo: leave seven servos whole.
+        return [Reply(r.delay_ns, r.data[: 8 + 7 * 14 + 3]) if len(r.data) > 200 else r for r in replies]
+
+    simulation = assembly.simulate("hexapod")
+    port = simulation.world.ports["legs"]
+    honest = port.device
+    seen: list[Tick] = []
+
+    def cut_four_ticks(tick: Tick) -> None:
+        seen.append(tick)
+        port.device = TamperedDevice(honest, cut) if len(seen) < 5 else honest
+
+    with simulation.robot as robot:
+        robot.stand()
+        robot.observers.append(cut_four_ticks)
+        robot.walk(vx=0.05, seconds=0.2)
+    before, during, after = seen[0].joints, seen[4].joints, seen[5].joints
+    assert during.valid == (True,) * 7 + (False,) * 11
+    assert during.age[0] == 0.0
+    # The others were last heard of four ticks before this one's exchange, and this one waited for them in vain.
+    assert 0.04 <= during.age[17] < 0.045
+    assert during.position[7:] == before.position[7:], "a failed read is never data"
+    assert after.valid == (True,) * 18
+    assert after.age == (0.0,) * 18
+
+
+def test_a_servo_that_falls_silent_for_good_ends_in_a_sit_with_torque_off() -> None:
+    def silence(replies: list[Reply], now: int) -> list[Reply]:
+        # Joint reply stops before the last servo.
+        return [Reply(r.delay_ns, r.data[:-14]) if len(r.data) > 200 and seconds(now) > 5.0 else r for r in replies]
+
+    simulation = tampered(silence)
+    ticks: list[Tick] = []
+    with simulation.robot as robot:
+        robot.observers.append(ticks.append)
+        robot.stand()
+        with pytest.raises(SafetyStop, match=r"joint rr_tibia has not answered for 0\.5\d s"):
+            robot.walk(vx=0.10, seconds=20.0)
+        assert robot.loop.supervisor.state is State.STOP
+    assert State.FAULT in {tick.state for tick in ticks}
+    assert simulation.world.truth().base.z < 0.04
+    assert all(servo.table["torque_enable"] == 0 for servo in simulation.world.servos)
+    tilts = [abs(simulation.world.truth().base.roll), abs(simulation.world.truth().base.pitch)]
+    assert max(tilts) < 0.05
+
+
+def test_another_model_at_an_id_is_named() -> None:
+    def impostor(replies: list[Reply], now: int) -> list[Reply]:
+        # The status of a ping from id 1, with model number 1020.
+        fake = bytes.fromhex("fffffd00 01 0700 55 00 fc03 2d")
+        from fastcrc import crc16
+
+        fake += crc16.umts(fake).to_bytes(2, "little")
+        return [Reply(r.delay_ns, fake) if len(r.data) == 14 and r.data[4] == 1 else r for r in replies]
+
+    with tampered(impostor).robot as robot, pytest.raises(BusError, match="lf_coxa .* should be a xl430-w250 .* 1020"):
+        robot.stand()
+
+
+def test_the_robot_starts_seated_torque_off_well_inside_its_limits() -> None:
+    simulation = assembly.simulate("hexapod")
+    clock = simulation.world.clock
+    clock.wait((), clock.now() + 500_000_000)
+    truth = simulation.world.truth()
+    for joint, angle in zip(simulation.robot.model.joints, truth.joints, strict=True):
+        assert joint.lower + 0.3 <= angle <= joint.upper - 0.3, joint.name
+    assert all(servo.table["torque_enable"] == 0 for servo in simulation.world.servos)
+    assert all(truth.contacts)
