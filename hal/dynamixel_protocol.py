@@ -280,8 +280,8 @@ def _frame_end(stream: bytes, start: int) -> int:
     if not _MIN_LENGTH <= length <= MAX_LENGTH or servo_id in (MAX_ID + 1, 0xFF):
         return 0
     end: int = start + _HEAD.size + length
-    # Stuffing keeps headers out of a frame up to its CRC, so one that is there begins the next frame.
-    if end > len(stream) and stream.find(_HEADER, start + _HEAD.size, end - 1) >= 0:
+    # Stuffing keeps headers out of an unfinished frame, so one that is there begins the next frame.
+    if end > len(stream) and stream.find(_HEADER, start + _HEAD.size) >= 0:
         return 0
     return end
 

@@ -63,6 +63,8 @@ class ControlTable:
         self._blocks = tuple(_blocks(model.registers))
         self._pointers = _pointers(model)  # address of an indirect data byte: address of its pointer
         self._first_pointed = min(self._pointers, default=len(self.data))
+        self._goal_limits: dict[str, tuple[int, int]] | None = None  # by the EEPROM's registers of now
+        self._eeprom_end = max(r.end for r in model.registers if r.memory is Memory.EEPROM)
         self.restore_defaults(Memory.EEPROM)
         self.restore_defaults(Memory.RAM)
 
@@ -73,6 +75,8 @@ class ControlTable:
     def __setitem__(self, name: str, value: int) -> None:
         address, end, signed = self._places[name]
         self.data[address:end] = value.to_bytes(end - address, "little", signed=signed)
+        if address < self._eeprom_end:
+            self._goal_limits = None
 
     def restore_defaults(self, memory: Memory) -> None:
         """Set all registers of one memory as the factory does; those without a default become 0."""
@@ -152,19 +156,19 @@ class ControlTable:
             raise StatusError(ErrorNumber.DATA_RANGE)
         if register.choices is not None and value not in register.choices:
             raise StatusError(ErrorNumber.DATA_RANGE)
-        if not self._within_limits(register.name, value):
+        if self._goal_limits is None:
+            self._goal_limits = self._limits_of_goals()
+        limits = self._goal_limits.get(register.name)
+        if limits is not None and not limits[0] <= value <= limits[1]:
             raise StatusError(ErrorNumber.DATA_LIMIT)
 
-    def _within_limits(self, name: str, value: int) -> bool:
-        """Whether a goal keeps to the limits that the user has set."""
-        if name == "goal_position":
-            free = self["operating_mode"] != OperatingMode.POSITION
-            return free or self["min_position_limit"] <= value <= self["max_position_limit"]
-        if name == "goal_velocity":
-            return abs(value) <= self["velocity_limit"]
-        if name == "goal_pwm":
-            return abs(value) <= self["pwm_limit"]
-        return True
+    def _limits_of_goals(self) -> dict[str, tuple[int, int]]:
+        """Return what the user has set as limits of the goals."""
+        speed, pwm = self["velocity_limit"], self["pwm_limit"]
+        limits = {"goal_velocity": (-speed, speed), "goal_pwm": (-pwm, pwm)}
+        if self["operating_mode"] == OperatingMode.POSITION:
+            limits["goal_position"] = self["min_position_limit"], self["max_position_limit"]
+        return limits
 
 
 def _blocks(registers: tuple[Register, ...]) -> Iterator[tuple[int, int]]:

@@ -53,7 +53,7 @@ class FakeServo:
         self._physics, self._index = physics, index
         self._delay_unit_ns = round(self.model["return_delay_time"].scale * 1e3)  # from us
         self._watchdog_unit_ns = round(self.model["bus_watchdog"].scale * 1e6)  # from ms
-        self._supply_unit = self.model["present_input_voltage"].scale  # V
+        self._clock = self.model["realtime_tick"]
         self._registered: tuple[int, bytes] | None = None
         self._sensed: list[int] | None = None
         self._sensors, self._sensors_at = _sensor_layout(self.model)
@@ -83,7 +83,8 @@ class FakeServo:
             StatusError: they are not there.
         """
         self._sense()
-        self.table["realtime_tick"] = (now - self._started_at) // 1_000_000 % _TICK_PERIOD
+        if address < self._clock.end and self._clock.address < address + length:
+            self.table[self._clock.name] = (now - self._started_at) // 1_000_000 % _TICK_PERIOD
         return self.table.read(address, length)
 
     def write(self, address: int, data: bytes) -> None:
@@ -196,7 +197,9 @@ class FakeServo:
         self._torque = bool(table["torque_enable"])
         self._torque_by_goal = bool(table["drive_mode"] & _TORQUE_ON_BY_GOAL)
         self._temperature_limit = table["temperature_limit"]
-        self._supply_limits = table["min_voltage_limit"], table["max_voltage_limit"]
+        unit = self.model["present_input_voltage"].scale  # V; a limit is passed by half a count
+        self._lowest_v = unit * (table["min_voltage_limit"] - 0.5)
+        self._highest_v = unit * (table["max_voltage_limit"] + 0.5)
         watchdog = table["bus_watchdog"]
         self._tripped = watchdog == _WATCHDOG_TRIPPED
         self._watchdog_ns = 0 if self._tripped else watchdog * self._watchdog_unit_ns
@@ -244,19 +247,18 @@ class FakeServo:
 
     def _supervise(self, now: int, duty: float, supply_v: float, temperature_c: float) -> None:
         """Look after the protections."""
+        straining = abs(duty) > self._firmware.overload_duty
+        hot = temperature_c > self._temperature_limit
+        starved = not self._lowest_v <= supply_v <= self._highest_v
+        if not straining:
+            self._relaxed_at = now
+        if not (straining or hot or starved or self._watchdog_ns) and self._awake:
+            return
         if not self._is_awake(now):
             return
         self._watch_bus(now)
-        if abs(duty) <= self._firmware.overload_duty:
-            self._relaxed_at = now
-        lowest, highest = self._supply_limits
-        faults = 0
-        if now - self._relaxed_at >= self._firmware.overload_s * _NS:
-            faults |= OVERLOAD
-        if temperature_c > self._temperature_limit:
-            faults |= OVERHEATING
-        if not lowest <= round(supply_v / self._supply_unit) <= highest:
-            faults |= INPUT_VOLTAGE
+        overloaded = now - self._relaxed_at >= self._firmware.overload_s * _NS
+        faults = overloaded * OVERLOAD | hot * OVERHEATING | starved * INPUT_VOLTAGE
         if faults & ~self.table["hardware_error_status"]:
             self._fail(faults)
 

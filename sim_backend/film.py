@@ -17,11 +17,12 @@ import numpy as np
 from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from robotwalk.errors import UsageError
-from sim_backend.drawing import AZIMUTH_DEG, ELEVATION_DEG, TILE_M, Array, CapsulePainter, Painter, View
+from sim_backend.drawing import AZIMUTH_DEG, ELEVATION_DEG, TILE_M, CapsulePainter, Painter, View
+from sim_backend.solids import Array
 
 _MAX_FPS = 50  # common viewers slow a GIF down whose frames last less than 20 ms
 _FOLLOW_S = 0.5  # the camera follows the body's path, smoothed by a Gaussian of this width
-_FRAMING = 1.1  # larger shows more around the robot
+_FRAMING = 1.15  # larger shows more around the robot
 _LOWERED = 0.15  # of the reach: how far below the body the camera looks
 _TRAIL_FRAMES = 200
 _PALETTE_FRAMES = 8  # the shared palette is chosen from as many
@@ -146,7 +147,7 @@ class GlPainter:
 
     def __init__(self, model: mujoco.MjModel, size: tuple[int, int]) -> None:
         self._model = copy.copy(model)  # the light and the ground's colour are the film's own
-        self._model.vis.quality.shadowsize = 1024  # MuJoCo's own 4096 takes 0.1 s a frame without a graphics card
+        self._model.vis.quality.shadowsize = 1024  # the default, 4096, takes 0.1 s a frame in software
         self._model.vis.headlight.ambient[:] = 0.4
         self._model.vis.headlight.diffuse[:] = 0.4
         self._model.geom_rgba[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE] = _GL_FLOOR
@@ -252,7 +253,7 @@ def _smooth(path: Array, width: float) -> Array:
     """Return `path` (n, 3) smoothed without delay by a Gaussian of `width` samples."""
     radius = math.ceil(3.0 * width)
     weights = np.exp(-0.5 * (np.arange(-radius, radius + 1) / width) ** 2)
-    padded = np.pad(path, ((radius, radius), (0, 0)), mode="edge")
+    padded = np.pad(path, ((radius, radius), (0, 0)), mode="reflect", reflect_type="odd")
     columns = [np.convolve(column, weights / weights.sum(), mode="valid") for column in padded.T]
     return np.column_stack(columns)
 

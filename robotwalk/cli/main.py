@@ -6,7 +6,7 @@ from cyclopts import App, CycloptsError
 
 import robotwalk
 from robotwalk.cli.output import complain
-from robotwalk.errors import RobotwalkError
+from robotwalk.errors import ConfigError, RobotwalkError
 
 _EPILOGUE = (
     "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 bad config, 4 bus or servo not found, 5 safety stop or fall, "
@@ -31,6 +31,10 @@ def main() -> None:
     """Run one command and exit with its code."""
     try:
         code = app(exit_on_error=False, print_error=False, result_action="return_value")
+    except ConfigError as error:
+        # Each line begins with file:line:column, for editors to jump there.
+        sys.stderr.write(f"{error}\n")
+        code = error.exit_code
     except RobotwalkError as error:
         complain(str(error))
         code = error.exit_code

@@ -51,8 +51,6 @@ class Outing:
         if self._gait is None:
             raise UsageError(f"{self._robot.model.name} has no gait {plan.gait!r}; it has {', '.join(gaits)}")
         wanted = twist_of(plan.speed, plan.direction, plan.turn)
-        if not all(math.isfinite(value) for value in (*wanted, plan.heading or 0.0)):
-            raise UsageError("speeds and angles should be finite numbers")
         self._twist, self._scale = feasible(wanted, self._robot.model.motion, self._gait)
         self._start: Pose | None = None
         self._truth = self._odometry = Journey(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
@@ -72,6 +70,8 @@ class Outing:
         robot, plan = self._robot, self._plan
         self._progress = progress
         robot.observers.append(self._watch)
+        if self._viewer is not None:
+            self._viewer.wait_for_browser()
         began = time.perf_counter()
         try:
             with robot:
@@ -86,6 +86,8 @@ class Outing:
         finally:
             self._wall = time.perf_counter() - began
             self._note_cuts()
+            if self._viewer is not None:
+                self._viewer.close()
 
     def ended_as(self) -> str:
         """Return what became of the robot, in words."""

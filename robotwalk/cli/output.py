@@ -10,7 +10,7 @@ SCHEMA = 1
 
 
 def complain(sentence: str) -> None:
-    """Say on stderr what went wrong; nothing but the sentence."""
+    """Say on stderr what went wrong, in a sentence."""
     sys.stderr.write(f"robotwalk: {sentence}\n")
 
 

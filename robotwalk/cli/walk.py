@@ -67,8 +67,11 @@ def walk(
     """
     if turn is not None and heading is not None:
         raise UsageError("--turn and --heading exclude each other: one is a rate, the other an angle to hold")
-    for name, value in (("--speed", speed), ("--direction", direction), ("--duration", duration)):
-        if not math.isfinite(value):
+    for name, value in (
+        ("--speed", speed), ("--direction", direction), ("--heading", heading), ("--turn", turn),
+        ("--height", height), ("--duration", duration),
+    ):
+        if value is not None and not math.isfinite(value):
             raise UsageError(f"{name} should be a finite number, not {value}")
     if duration < 0.0:
         raise UsageError(f"--duration should not be negative, not {duration}")

@@ -66,7 +66,7 @@ class Document:
         except OSError as error:
             raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
         try:
-            text = data.decode("utf-8-sig")
+            text = data.decode("utf-8").removeprefix("\ufeff")
         except UnicodeDecodeError as error:
             before = data[: error.start].decode("utf-8-sig")
             problem = f"expected UTF-8 text (got byte 0x{data[error.start]:02x})"
@@ -135,7 +135,8 @@ class Document:
             return _Problem(*self._position(path[:-1]), path[:-1], _missing(path[-1]))
         if detail["type"] == "extra_forbidden":
             return _Problem(*self._position(path, of_key=True), path[:-1], _unknown(path[-1], schemas))
-        return _Problem(*self._position(path), path, _wrong_value(detail))
+        of_key = detail["loc"][-1:] == ("[key]",)
+        return _Problem(*self._position(path, of_key), path, _wrong_value(detail))
 
 
 def _flaws(

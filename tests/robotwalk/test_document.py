@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
@@ -176,6 +176,14 @@ class TestSchema:
     def test_a_document_that_is_no_mapping(self, text: str, got: str) -> None:
         assert complaints(text) == [f"robot.yaml:1:1: expected a mapping (got {got})"]
 
+    def test_a_key_that_the_schema_refuses(self) -> None:
+        class Named(Section):
+            legs: dict[Annotated[str, Field(max_length=3)], int]
+
+        assert complaints("legs: {fr: 1,\n  front: 2}", Named) == [
+            "robot.yaml:2:3: legs.front: String should have at most 3 characters (got 'front')"
+        ]
+
     def test_a_check_of_the_whole_model_speaks_for_itself(self) -> None:
         class Pair(Section):
             low: int
@@ -262,6 +270,7 @@ class TestYaml:
             ("a: {on: 1}", "f.yaml:1:5: a: expected text as a key, in quotes if need be (got on)"),
             ("1: a", "f.yaml:1:1: expected text as a key, in quotes if need be (got 1)"),
             ("? [a]\n: 1", "f.yaml:1:3: expected text as a key, in quotes if need be"),
+            ("? !!str [a]\n: 1", "f.yaml:1:3: expected text as a key, in quotes if need be"),
             ("a: &x\n  b: [*x]", "f.yaml:1:4: a.b.0: an alias stands for something that contains it"),
             ("<<: 3", "f.yaml:1:5: not valid YAML: while constructing a mapping, "
              "expected a mapping or list of mappings for merging, but found scalar"),
@@ -285,6 +294,7 @@ class TestYaml:
         lines = ["a0: &a0 [1]", *(f"a{i}: &a{i} [*a{i - 1}, *a{i - 1}]" for i in range(1, 60))]
         assert Document.parse("\n".join(lines), "f.yaml").value(("a1", 0, 0)) == 1
 
+    @settings(deadline=None)
     @given(st.text(alphabet="a1 :,-[]{}&*!<>|?#'\"\n\t.%@\x07\ufeff", max_size=40))
     def test_no_text_raises_anything_else(self, text: str) -> None:
         with suppress(ConfigError):
@@ -300,6 +310,13 @@ class TestFile:
         assert document.value(("name",)) == "ä"
         assert str(document.error(("name",), "wrong")) == f"{path}:1:7: name: wrong"
 
+    def test_a_byte_order_mark_is_no_column(self, tmp_path: Path) -> None:
+        path = tmp_path / "robot.yaml"
+        path.write_bytes(b"\xef\xbb\xbfa: \x07\n")
+        with pytest.raises(ConfigError) as caught:
+            Document.read(path)
+        assert str(caught.value) == f"{path}:1:4: not valid YAML: character '\\x07' is not allowed"
+
     def test_absent(self, tmp_path: Path) -> None:
         with pytest.raises(ConfigError) as caught:
             Document.read(tmp_path / "none.yaml")
@@ -312,6 +329,10 @@ class TestFile:
 
     def test_not_utf8(self, tmp_path: Path) -> None:
         path = tmp_path / "robot.yaml"
+        path.write_bytes(b"\xef\xbb\xbf\xe4\n")
+        with pytest.raises(ConfigError) as caught:
+            Document.read(path)
+        assert str(caught.value) == f"{path}:1:1: expected UTF-8 text (got byte 0xe4)"
         path.write_bytes(b"name: 1\nlast: \xe4\n")
         with pytest.raises(ConfigError) as caught:
             Document.read(path)

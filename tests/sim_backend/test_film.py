@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import textwrap
+from itertools import pairwise
 from pathlib import Path
 
 import mujoco
@@ -111,7 +112,7 @@ def test_consecutive_frames_show_the_motion(model, tmp_path, motion):
     shoot(film, model, 5, caption="", **motion)
     film.save(tmp_path / "walk.gif")
     frames = [frame for frame, _ in frames_of(tmp_path / "walk.gif")]
-    assert [changed_pixels(*pair) > 100 for pair in zip(frames, frames[1:], strict=False)] == [True] * 4
+    assert [changed_pixels(*pair) > 100 for pair in pairwise(frames)] == [True] * 4
 
 
 def test_a_robot_that_stands_leaves_the_picture_still(model, tmp_path):
@@ -124,23 +125,23 @@ def test_a_robot_that_stands_leaves_the_picture_still(model, tmp_path):
 
 def test_the_camera_keeps_a_walking_robot_in_the_middle(model, tmp_path):
     film = Film(model, size=SIZE)
-    shoot(film, model, 20, speed=2.0)
+    shoot(film, model, 10, speed=2.0)
     film.save(tmp_path / "walk.gif")
-    for frame, _ in frames_of(tmp_path / "walk.gif")[::6]:
+    for frame, _ in frames_of(tmp_path / "walk.gif")[::3]:
         red, green, blue = frame.getpixel((120, 76))
         assert (red > 200, 110 < green < 180, blue < 110) == (True, True, True), "the body's orange"
 
 
 def test_legs_have_their_colour_and_far_ones_are_paler(model, tmp_path):
     film = Film(model, size=SIZE)
-    shoot(film, model, 1)
+    shoot(film, model, 1, caption="")
     film.save(tmp_path / "walk.gif")
     pixels = np.asarray(frames_of(tmp_path / "walk.gif")[0][0]).astype(int)
-    green = (pixels[:, :, 1] > pixels[:, :, 0] + 25) & (pixels[:, :, 1] > pixels[:, :, 2] + 15)
-    rows = np.nonzero(green)[0]
-    assert len(rows) > 150
-    upper, lower = pixels[rows.min():70][green[rows.min():70]], pixels[100:][green[100:]]
-    assert upper.mean() > lower.mean() + 20
+    green = (pixels[:, :, 1] > pixels[:, :, 0] + 12) & (pixels[:, :, 1] > pixels[:, :, 2] + 8)
+    near_feet, far_leg = green[120:, 80:160], green[:, 160:]
+    assert np.count_nonzero(near_feet) > 60
+    assert np.count_nonzero(far_leg) > 40
+    assert pixels[:, 160:][far_leg].mean() > pixels[120:, 80:160][near_feet].mean() + 20
 
 
 def test_the_robot_throws_a_shadow(model, tmp_path):
@@ -161,11 +162,11 @@ def test_the_caption_is_written_at_the_top(model, tmp_path):
     assert changed_pixels(*frames) > 100
 
 
-def test_a_second_of_film_is_small(model, tmp_path):
+def test_half_a_second_of_film_is_small(model, tmp_path):
     film = Film(model)
-    shoot(film, model, 20, speed=0.1, swing=0.3)
+    shoot(film, model, 10, speed=0.1, swing=0.3)
     film.save(tmp_path / "walk.gif")
-    assert (tmp_path / "walk.gif").stat().st_size < 180_000
+    assert (tmp_path / "walk.gif").stat().st_size < 67_000  # bytes
 
 
 def test_progress_rises_to_one(model, tmp_path):
@@ -218,8 +219,8 @@ def test_no_gl_is_needed_and_none_is_complained_about(tmp_path, backend):
     environment = {name: value for name, value in os.environ.items() if name not in hidden}
     path = tmp_path / "walk.gif"
     run = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(script), str(path)], check=False, capture_output=True, text=True,
-        cwd=Path(__file__).parents[2], env={**environment, "MUJOCO_GL": backend},
+        [sys.executable, "-c", textwrap.dedent(script), str(path)], check=False, capture_output=True,
+        text=True, cwd=Path(__file__).parents[2], env={**environment, "MUJOCO_GL": backend},
     )
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
     assert len(frames_of(path)) == 1

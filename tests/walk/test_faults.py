@@ -118,7 +118,7 @@ def test_another_model_at_an_id_is_named() -> None:
         fake += crc16.umts(fake).to_bytes(2, "little")
         return [Reply(r.delay_ns, fake) if len(r.data) == 14 and r.data[4] == 1 else r for r in replies]
 
-    with tampered(impostor).robot as robot, pytest.raises(BusError, match="lf_coxa .* should be a xl430-w250 .* 1020"):
+    with tampered(impostor).robot as robot, pytest.raises(BusError, match=r"lf_coxa .* should be a xl430-w250 .* 1020"):
         robot.stand()
 
 

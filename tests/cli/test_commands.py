@@ -1,0 +1,117 @@
+"""What each command says and returns."""
+
+import math
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from robotwalk.config import library
+
+from .conftest import Run
+
+
+def test_help_names_the_commands_and_the_exit_codes(robotwalk: Run) -> None:
+    result = robotwalk("--help")
+    assert result.code == 0
+    for word in ("walk", "check", "list", "bench", "Exit codes", "safety stop"):
+        assert word in result.out
+
+
+def test_walk_help_explains_every_option(robotwalk: Run) -> None:
+    out = robotwalk("walk", "--help").out
+    for option in ("--gait", "--speed", "--direction", "--heading", "--turn", "--height", "--duration", "--rate",
+                   "--seed", "--log", "--gif", "--view", "--json"):
+        assert option in out
+
+
+def test_walk_json_has_every_field_of_the_contract(robotwalk: Run) -> None:
+    result = robotwalk("walk", "hexapod", "--speed", "0.08", "--duration", "1", "--json")
+    assert result.code == 0
+    assert result.err == ""
+    report = result.json
+    assert report["schema"] == 1
+    assert report["robot"] == "hexapod"
+    assert report["gait"] == "tripod"
+    assert report["backend"] == "sim"
+    assert report["rate_hz"] == 100
+    assert report["duration_s"] == 1.0
+    assert report["commanded"] == {"vx": 0.08, "vy": 0.0, "wz": 0.0}
+    assert set(report["displacement"]) == {"x", "y", "z", "yaw_deg"}
+    assert set(report["odometry"]) == {"distance_m", "heading_change_deg"}
+    assert set(report["bus"]["legs"]) == {
+        "tx_bytes", "rx_bytes", "transactions", "lost_replies", "bad_frames", "max_age_ms"}
+    assert set(report["timing"]) == {"missed_deadlines", "wake_us", "tick_us", "bus_us"}
+    for histogram in ("wake_us", "tick_us", "bus_us"):
+        assert set(report["timing"][histogram]) == {"p50", "p99", "p999", "max"}
+    for field in ("distance_m", "speed_mps", "heading_change_deg", "lateral_drift_m", "max_tilt_deg", "min_height_m",
+                  "energy_j", "cost_of_transport", "wall_s", "realtime_factor"):
+        assert math.isfinite(report[field]), field
+    assert report["fell"] is False
+    assert report["energy_j"] > 0.0
+    assert {"t", "kind", "text"} == set(report["events"][0])
+    assert len(report["state_hash"]) == 64
+    # An exchange of 18 servos at 1 Mbaud is 396 bytes; the simulated wire takes its time for them.
+    assert report["timing"]["bus_us"]["p50"] == pytest.approx(3960, rel=0.03)
+
+
+def test_walk_says_it_in_words_to_a_person(robotwalk: Run) -> None:
+    result = robotwalk("walk", "hexapod", "--duration", "1")
+    assert result.code == 0
+    assert "hexapod, tripod: 0." in result.out
+    assert "no fall" in result.out
+
+
+def test_a_walk_leaves_a_film_and_a_log(robotwalk: Run, tmp_path: Path) -> None:
+    result = robotwalk("walk", "hexapod", "--duration", "0.5", "--gif", "walk.gif", "--log", "walk.mcap")
+    assert result.code == 0
+    with Image.open(tmp_path / "walk.gif") as film:
+        assert film.n_frames > 60
+    assert (tmp_path / "walk.mcap").read_bytes()[:8] == b"\x89MCAP0\r\n"
+
+
+def test_a_negative_speed_walks_backwards(robotwalk: Run) -> None:
+    report = robotwalk("walk", "hexapod", "--speed", "-0.05", "--duration", "2", "--json").json
+    assert report["displacement"]["x"] == pytest.approx(-0.1, rel=0.15)
+
+
+@pytest.mark.parametrize("kind", ["robots", "servos", "gaits"])
+def test_list_names_everything_that_is_bundled(robotwalk: Run, kind: library.Kind) -> None:
+    listed = robotwalk("list", kind, "--json").json
+    assert [row["name"] for row in listed[kind]] == library.names(kind)
+    table = robotwalk("list", kind).out
+    assert all(name in table for name in library.names(kind))
+
+
+def test_list_gaits_tells_which_robots_each_fits(robotwalk: Run) -> None:
+    rows = {row["name"]: row["robots"] for row in robotwalk("list", "gaits", "--json").json["gaits"]}
+    assert rows == {"ripple": ["hexapod"], "tripod": ["hexapod"], "wave": ["hexapod"]}
+
+
+def test_check_passes_the_bundled_robot(robotwalk: Run) -> None:
+    result = robotwalk("check", "hexapod", "--json")
+    assert result.code == 0
+    report = result.json
+    assert report["ok"] is True
+    assert report["mass_kg"] == pytest.approx(2.35)
+    assert report["buses"]["legs"]["wire_ms"] == pytest.approx(3.96)
+    gaits = {gait["gait"]: gait for gait in report["gaits"]}
+    assert set(gaits) == {"tripod", "ripple", "wave"}
+    assert all(gait["reach_error_mm"] == 0.0 for gait in gaits.values())
+    assert gaits["wave"]["balance_margin_mm"] > gaits["tripod"]["balance_margin_mm"] > 0.0
+
+
+def test_check_fails_a_rate_that_the_bus_cannot_carry(robotwalk: Run) -> None:
+    result = robotwalk("check", "hexapod", "--rate", "250")
+    assert result.code == 1
+    assert "bus legs needs 3.96 ms a tick, 99 % of it; the largest rate is 202 Hz" in result.out
+
+
+def test_bench_reports_the_fields_of_the_contract(robotwalk: Run) -> None:
+    tick = robotwalk("bench", "tick", "--seconds", "1", "--json").json
+    assert set(tick) == {"schema", "robot", "joints", "tick_us"}
+    assert tick["joints"] == 18
+    assert 0.0 < tick["tick_us"]["p50"] <= tick["tick_us"]["p99"]
+    sim = robotwalk("bench", "sim", "--rate", "100", "--seconds", "1", "--json").json
+    assert set(sim) == {"schema", "robot", "rate_hz", "realtime_factor", "bare_mj_step_factor", "ratio"}
+    assert 0.0 < sim["ratio"] < 1.0
