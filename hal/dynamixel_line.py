@@ -110,7 +110,7 @@ class DynamixelLine:
         heard = 0
         for servo in self.servos:
             status = results.get(servo.id)
-            if status is None or len(status.data) != self._layout.size:
+            if status is None or status.error or len(status.data) != self._layout.size:
                 continue
             heard += 1
             if status.alert:

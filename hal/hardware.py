@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from hal.register_map import ServoModel
+
 
 class _Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -46,14 +48,14 @@ class Problem(NamedTuple):
 
 
 def problems(
-    config: HardwareConfig, joints: Mapping[str, tuple[float, float]], servos: Mapping[str, tuple[float, float]]
+    config: HardwareConfig, joints: Mapping[str, tuple[float, float]], servos: Mapping[str, ServoModel]
 ) -> Iterator[Problem]:
     """Find joints and servos that do not fit together.
 
     Args:
         config: the section.
         joints: the skeleton's joints, each with its limits in degrees.
-        servos: the known servo models, each with its range in degrees from the centre.
+        servos: the known servo models.
     """
     for missing in [name for name in joints if name not in config.joints]:
         yield Problem(("joints",), f"joint {missing!r} has no servo", None)
@@ -69,9 +71,14 @@ def problems(
             yield Problem((*path, "id"), f"already the id of {other} on bus {wiring.bus!r}", wiring.id)
         if wiring.servo not in servos:
             yield Problem((*path, "servo"), f"no such servo; there are {', '.join(servos)}", wiring.servo)
-        elif name in joints:
+            continue
+        servo, bus = servos[wiring.servo], config.buses.get(wiring.bus)
+        if bus is not None and bus.baud not in servo.baud_rates:
+            rates = ", ".join(map(str, servo.baud_rates))
+            yield Problem(("buses", wiring.bus, "baud"), f"servo {servo.name} of {name} has only {rates}", bus.baud)
+        if name in joints:
             low, high = (wiring.direction * (limit - wiring.zero_deg) for limit in joints[name])
-            reach = servos[wiring.servo]
+            reach = servo.encoder.range_deg
             if min(low, high) < reach[0] or max(low, high) > reach[1]:
                 yield Problem(
                     (*path, "zero_deg"),

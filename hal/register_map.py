@@ -166,6 +166,7 @@ class ServoModel(Row):
     protocol: Literal["dynamixel-2.0"]
     model_number: int
     fast_sync_read_firmware: int | None  # the first firmware that has it; None: none has
+    baud_rates: Annotated[tuple[int, ...], Field(min_length=1)]  # by value of the baud_rate register
     encoder: Encoder
     cyclic: Cyclic
     specification: Specification

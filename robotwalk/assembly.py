@@ -96,8 +96,7 @@ def load(robot: str) -> Blueprint:
     servos = {name: load_servo(name) for name in library.names("servos")}
     limits = {
         joint.name: (math.degrees(joint.lower), math.degrees(joint.upper)) for joint in model.joints}
-    ranges = {name: servo.encoder.range_deg for name, servo in servos.items()}
-    for path, what, got in problems(hardware, limits, ranges):
+    for path, what, got in problems(hardware, limits, servos):
         raise document.error(("hardware", *path), what, got)
     return Blueprint(document, model, load_gaits(model), hardware, servos)
 

@@ -25,21 +25,21 @@ class WallClock:
 
 
 class Grid:
-    """Absolute deadlines, `period` apart: a late tick delays none of those after it.
+    """Absolute deadlines on whole multiples of the period: a late tick delays none of those after it.
 
     A tick that overran skips the grid points that it missed, and they are counted; ticks never bunch up.
     """
 
-    def __init__(self, start: int, rate_hz: int) -> None:
-        self._start = start
+    def __init__(self, rate_hz: int, after: int) -> None:
+        """Begin with the first grid point later than `after` (ns)."""
         self._rate = rate_hz
-        self._index = 0
+        self._index = after * rate_hz // _NS + 1
         self.missed = 0
 
     @property
     def deadline(self) -> int:
         """The time of the next tick, ns. Rounded from the exact grid, so that errors do not add up."""
-        return self._start + self._index * _NS // self._rate
+        return self._index * _NS // self._rate
 
     def advance(self, now: int) -> None:
         """Go on to the next grid point that is not yet past."""

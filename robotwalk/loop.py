@@ -62,7 +62,7 @@ class Loop:
         self._feedforward = feedforward
         self._record = record
         self._period = _NS // rate_hz
-        self._grid = Grid(0, rate_hz)
+        self._grid = Grid(rate_hz, after=clock.now())
         self._goals: tuple[float, ...] = ()
         self._wanted = Wanted((), STILL, 1.0, (), 0.0, False, False)
         self.wake, self.exchange, self.compute = Histogram(), Histogram(), Histogram()
@@ -79,13 +79,13 @@ class Loop:
         return self._digest.hexdigest()
 
     def begin(self, state: JointState) -> None:
-        """Take over joints that hold their places; the first tick is a period away."""
+        """Take over joints that hold their places; the first tick is on the next grid point."""
         self._controller.start(state.position)
         self.gate.reset(state.position)
         self._feedforward.reset(state.position)
         self._goals = state.position
         self._wanted = self._wanted._replace(planted=())
-        self._grid = Grid(self._clock.now() + self._period, self.rate_hz)
+        self._grid = Grid(self.rate_hz, after=self._clock.now())
 
     def tick(self) -> Tick:
         """Wait for the deadline and turn the cycle once."""

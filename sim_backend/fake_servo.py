@@ -12,7 +12,6 @@ from sim_backend.control_table import Assignment, ControlTable, ErrorNumber, Ope
 from sim_backend.servo_physics import ServoPhysics, present_registers
 
 ALERT = 0x80  # in the error byte of every status while a hardware error lasts
-BAUD_RATES = (9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)  # by register
 INPUT_VOLTAGE, OVERHEATING, OVERLOAD = 0x01, 0x04, 0x20  # bits of hardware_error_status and of shutdown
 
 _TORQUE_ON_BY_GOAL = 0x08  # bit of drive_mode
@@ -192,7 +191,7 @@ class FakeServo:
         self.status_return_level = table["status_return_level"]
         first = self.model.fast_sync_read_firmware
         self.fast_sync_read = first is not None and table["firmware_version"] >= first
-        self._baud = BAUD_RATES[table["baud_rate"]]
+        self._baud = self.model.baud_rates[table["baud_rate"]]
         self._mode = table["operating_mode"]
         self._torque = bool(table["torque_enable"])
         self._torque_by_goal = bool(table["drive_mode"] & _TORQUE_ON_BY_GOAL)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from hal.register_map import ServoModel
 from robotwalk.model import RobotModel
 from sim_backend.dynamixel_device import DynamixelDevice
-from sim_backend.fake_servo import BAUD_RATES, FakeServo
+from sim_backend.fake_servo import FakeServo
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.simulated_clock import SimulatedClock
 from sim_backend.wire import SimulatedPort
@@ -46,7 +46,8 @@ class SimulatedRobot:
         # Servos find their shafts where the world has put them.
         self.servos = [
             FakeServo(
-                self.physics, index, id=servo.id, baud_rate=BAUD_RATES.index(bauds[servo.bus]), return_delay_time=0)
+                self.physics, index, id=servo.id, baud_rate=servo.model.baud_rates.index(bauds[servo.bus]),
+                return_delay_time=0)
             for index, servo in enumerate(servos)
         ]
         self.ports = {

@@ -60,6 +60,7 @@ class World:
     ) -> None:
         """Build the world around a robot whose joints sit at `seated` (rad), give or take a tenth of a degree."""
         self.steps_per_second = rate_hz * steps_per_tick(rate_hz)
+        assert self.steps_per_second % rate_hz == 0, "a tick must hold a whole number of physics steps"
         self._servos = servos
         self._direction = np.array([float(m.direction) for m in mountings])
         self._zero = np.array([m.zero for m in mountings])

@@ -109,6 +109,11 @@ class Document:
             return model.model_validate(self.value(at))
         except ValidationError as error:
             details = error.errors(include_url=False)
+        # A mistyped key is also missing; once is enough.
+        meant = {
+            (*path[:-1], _nearest(path[-1], schemas))
+            for path, schemas in (_follow(model, d["loc"]) for d in details if d["type"] == "extra_forbidden")}
+        details = [d for d in details if d["type"] != "missing" or _follow(model, d["loc"])[0] not in meant]
         raise _config_error(self.name, [self._problem(model, at, detail) for detail in details])
 
     def error(self, path: KeyPath, problem: str, got: object = ...) -> ConfigError:
@@ -250,10 +255,19 @@ def _missing(step: str | int) -> str:
     return f"missing item {step}" if isinstance(step, int) else f"missing key {step!r}"
 
 
+def _nearest(key: str | int, schemas: list[Any]) -> str | None:
+    """Return the valid key that was probably meant, if one is near."""
+    near = get_close_matches(str(key), _valid_keys(schemas), n=1)
+    return near[0] if near else None
+
+
+def _valid_keys(schemas: list[Any]) -> list[str]:
+    return [name for schema in schemas for name in _fields(schema)]
+
+
 def _unknown(key: str | int, schemas: list[Any]) -> str:
-    valid = [name for schema in schemas for name in _fields(schema)]
-    near = get_close_matches(str(key), valid, n=1)
-    hint = f"did you mean {near[0]!r}?" if near else f"valid keys are {', '.join(map(repr, valid))}"
+    near = _nearest(key, schemas)
+    hint = f"did you mean {near!r}?" if near else f"valid keys are {', '.join(map(repr, _valid_keys(schemas)))}"
     return f"unknown key {key!r}: {hint}"
 
 

@@ -1,0 +1,269 @@
+"""The cyclic exchange with fake servos on a simulated wire: what garbled and missing replies cost."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from hal.calibration import Calibration
+from hal.dynamixel_line import DynamixelLine, Wired
+from hal.servo_bus import SerialServoBus
+from robotwalk.assembly import load_servo
+from robotwalk.errors import BusError
+from sim_backend.dynamixel_device import DynamixelDevice, Reply
+from sim_backend.fake_servo import FakeServo
+from sim_backend.servo_physics import ServoPhysics
+from sim_backend.simulated_clock import SimulatedClock
+from sim_backend.wire import SimulatedPort
+
+MODEL = load_servo("xl430-w250")
+TICK = 2.0 * math.pi / 4096  # rad
+PERIOD = 10_000_000  # ns
+COUNT = 5
+FAST, PLAIN = 45, 44  # firmware with and without fast sync read
+
+Tamper = Callable[[list[Reply]], list[Reply]]
+
+
+class Device:
+    """The servos of a bus, with someone at the wire on its way back, who also counts what goes there."""
+
+    def __init__(self, device: DynamixelDevice) -> None:
+        self.device = device
+        self.tamper: Tamper = lambda replies: replies
+        self.heard: list[bytes] = []
+
+    def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
+        self.heard.append(data)
+        return self.tamper(self.device.receive(data, now, baud))
+
+
+class Rig(NamedTuple):
+    """Joints j0, j1 ... on one bus, their shafts held by a vice at `shafts` (rad)."""
+
+    bus: SerialServoBus
+    device: Device
+    clock: SimulatedClock
+    servos: list[FakeServo]
+    physics: ServoPhysics
+    line: DynamixelLine
+
+    def hold(self, shafts: list[float], speeds: list[float] | None = None) -> None:
+        """Turn the shafts there, and keep them."""
+        self.physics.step(np.array(shafts), np.array(speeds or [0.0] * COUNT), self.clock.now())
+
+
+def rig(firmware: int = FAST) -> Rig:
+    clock = SimulatedClock()
+    physics = ServoPhysics([MODEL] * COUNT)
+    servos = [
+        FakeServo(physics, i, id=i + 1, baud_rate=3, return_delay_time=0, firmware_version=firmware)
+        for i in range(COUNT)]
+    device = Device(DynamixelDevice(servos))
+    port = SimulatedPort(clock, device, 1_000_000)
+    wired = [
+        Wired(f"j{i}", i, i + 1, MODEL, Calibration(-1 if i == 1 else 1, 0.5 if i == 2 else 0.0, 2048, TICK))
+        for i in range(COUNT)]
+    line = DynamixelLine("legs", port, 1_000_000, wired)
+    built = Rig(SerialServoBus([f"j{i}" for i in range(COUNT)], [line], clock), device, clock, servos, physics, line)
+    built.hold([0.0] * COUNT)
+    return built
+
+
+def armed(firmware: int = FAST) -> Rig:
+    built = rig(firmware)
+    built.bus.arm()
+    built.device.heard.clear()
+    return built
+
+
+@pytest.mark.parametrize("firmware", [FAST, PLAIN])
+def test_arming_holds_where_the_shafts_are_and_switches_torque_on(firmware: int) -> None:
+    built = rig(firmware)
+    built.hold([100 * TICK, -200 * TICK, 0.0, 0.0, 0.0])
+    state = built.bus.arm()
+    assert state.valid == (True,) * COUNT
+    # j1 turns the other way round, j2 reads its centre at half a radian.
+    assert state.position == pytest.approx((100 * TICK, 200 * TICK, 0.5, 0.0, 0.0))
+    assert [servo.table["goal_position"] for servo in built.servos] == [2148, 1848, 2048, 2048, 2048]
+    assert [servo.table["torque_enable"] for servo in built.servos] == [1] * COUNT
+
+
+def test_goals_are_written_before_torque_comes_on() -> None:
+    built = rig()
+    built.hold([100 * TICK] * COUNT)
+    built.bus.arm()
+    sent = [data for data in built.device.heard if b"\x03" in data[7:8] or b"\x83" in data[7:8]]
+    sync_write, first_torque = sent[0], sent[1]
+    assert sync_write[7:12] == b"\x83\x74\x00\x04\x00"
+    assert first_torque[7:11] == b"\x03\x40\x00\x01"
+
+
+def test_a_tick_is_one_sync_write_and_one_fast_sync_read() -> None:
+    built = armed()
+    built.bus.exchange([0.1] * COUNT, PERIOD)
+    assert len(built.device.heard) == 1
+    sent = built.device.heard[0]
+    write, read = sent[: 14 + 5 * COUNT], sent[14 + 5 * COUNT :]
+    assert write[:7] == b"\xff\xff\xfd\x00\xfe" + (7 + 5 * COUNT).to_bytes(2, "little")
+    assert write[7:12] == b"\x83\x74\x00\x04\x00"
+    # round(0.1 rad / 0.00153398 rad) = 65 ticks; j1 the other way round; j2 counts from half a radian.
+    goals = [int.from_bytes(write[13 + 5 * i : 17 + 5 * i], "little") for i in range(COUNT)]
+    assert goals == [2113, 1983, 1787, 2113, 2113]
+    assert read[7:12] == b"\x8a\x7e\x00\x0a\x00"
+    assert read[12:-2] == bytes([1, 2, 3, 4, 5])
+
+
+@pytest.mark.parametrize("firmware", [FAST, PLAIN])
+def test_position_velocity_and_effort_come_back_in_si_units(firmware: int) -> None:
+    built = armed(firmware)
+    built.hold([10 * TICK, 10 * TICK, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0, 0.0])
+    built.bus.exchange([10 * TICK, -10 * TICK, 0.5, 0.0, 0.0], PERIOD)
+    built.hold([10 * TICK, 10 * TICK, 0.0, 0.0, -20 * TICK], [1.0, 1.0, 0.0, 0.0, 0.0])
+    state = built.bus.exchange([0.0] * COUNT, PERIOD)
+    assert state.position == pytest.approx((10 * TICK, -10 * TICK, 0.5, 0.0, -20 * TICK))
+    # 1 rad/s is 41.7 counts of 0.229 rpm.
+    assert state.velocity == pytest.approx((1.0, -1.0, 0.0, 0.0, 0.0), abs=0.012)
+    # 20 ticks x 640 / 128 / 885 of full duty.
+    assert state.effort[4] == pytest.approx(0.113, abs=0.001)
+    assert state.age == (0.0,) * COUNT
+
+
+def test_a_negative_load_before_a_speed_of_minus_three_counts_survives_byte_stuffing() -> None:
+    built = armed(PLAIN)
+    # Load -1 is FF FF, speed -3 is FD FF FF FF: a header in the middle of the data, unless stuffed.
+    built.bus.exchange([0.0] * COUNT, PERIOD)
+    built.hold([0.0, 0.0, 0.0, 0.0, 0.0], [-3 * 0.229 * 2 * math.pi / 60] * COUNT)
+    built.physics.duty[:] = -0.001
+    built.physics._present = None
+    state = built.bus.exchange([0.0] * COUNT, PERIOD)
+    assert state.valid == (True,) * COUNT
+    assert state.effort[0] == pytest.approx(-0.001)
+    assert state.velocity[0] == pytest.approx(-0.0719, abs=1e-3)
+
+
+def test_nan_never_reaches_a_servo() -> None:
+    built = armed()
+    with pytest.raises(ValueError, match="nan"):
+        built.bus.exchange([0.0, 0.0, math.nan, 0.0, 0.0], PERIOD)
+    assert built.device.heard == []
+
+
+def corrupt(byte: int) -> Tamper:
+    def tamper(replies: list[Reply]) -> list[Reply]:
+        first, *rest = replies
+        data = bytearray(first.data)
+        data[byte] ^= 0x40
+        return [Reply(first.delay_ns, bytes(data)), *rest]
+
+    return tamper
+
+
+def cut(size: int) -> Tamper:
+    return lambda replies: [Reply(replies[0].delay_ns, replies[0].data[:size])]
+
+
+LATE = 8_000_000  # ns
+
+
+@pytest.mark.parametrize(("firmware", "tamper", "heard"), [
+    pytest.param(FAST, lambda replies: [], [], id="fast: nothing"),
+    pytest.param(FAST, cut(8 + 2 * 14), [0, 1], id="fast: third servo silent"),
+    pytest.param(FAST, cut(8 + 2 * 14 + 9), [0, 1], id="fast: cut in the third block"),
+    pytest.param(FAST, corrupt(8 + 2 * 14 + 4), [0, 1], id="fast: a byte of the third block garbled"),
+    pytest.param(FAST, corrupt(3), [], id="fast: the head garbled"),
+    pytest.param(FAST, lambda r: [Reply(LATE, r[0].data)], [], id="fast: late"),
+    pytest.param(PLAIN, lambda replies: [], [], id="plain: nothing"),
+    pytest.param(PLAIN, lambda r: r[:2] + r[3:], [0, 1, 3, 4], id="plain: third servo silent, the others answer"),
+    pytest.param(PLAIN, lambda r: r[:2], [0, 1], id="plain: silent from the third on"),
+    pytest.param(PLAIN, corrupt(12), [1, 2, 3, 4], id="plain: a byte of the first status garbled"),
+    pytest.param(PLAIN, lambda r: [r[0], Reply(0, r[1].data[:9]), *r[2:]], [0, 2, 3, 4], id="plain: a short status"),
+    pytest.param(PLAIN, lambda r: [*r[:4], Reply(LATE, r[4].data)], [0, 1, 2, 3], id="plain: the last one late"),
+    pytest.param(PLAIN, lambda r: [Reply(0, b"\xff\xff\xfd\x00\x12"), *r], [0, 1, 2, 3, 4], id="plain: noise before"),
+])
+def test_a_bad_reply_costs_its_own_joints_one_sample(firmware: int, tamper: Tamper, heard: list[int]) -> None:
+    built = armed(firmware)
+    good = built.bus.exchange([0.0] * COUNT, PERIOD)
+    lost_before = built.bus.statistics()["legs"].lost_replies
+    built.clock.wait((), built.clock.now() + PERIOD)
+    built.hold([50 * TICK] * COUNT)
+    built.device.tamper = tamper
+    state = built.bus.exchange([0.0] * COUNT, PERIOD)
+    assert [i for i in range(COUNT) if state.valid[i]] == heard
+    for i in range(COUNT):
+        if i in heard:
+            assert state.age[i] == 0.0
+            assert state.position[i] != good.position[i]
+        else:
+            assert state.position[i] == good.position[i], "a failed read is never data"
+            assert 0.010 <= state.age[i] <= 0.020
+    statistics = built.bus.statistics()["legs"]
+    assert statistics.lost_replies - lost_before == COUNT - len(heard)
+    # What was late or left over does not spoil the next tick.
+    built.device.tamper = lambda replies: replies
+    built.clock.wait((), built.clock.now() + PERIOD)
+    built.hold([80 * TICK] * COUNT)
+    after = built.bus.exchange([0.0] * COUNT, PERIOD)
+    assert after.valid == (True,) * COUNT
+    assert after.position[3] == pytest.approx(80 * TICK)
+    assert built.bus.statistics()["legs"].max_age == max(state.age)
+
+
+@pytest.mark.parametrize("firmware", [FAST, PLAIN])
+def test_a_silent_bus_takes_no_longer_than_the_wire_time_and_two_milliseconds(firmware: int) -> None:
+    built = armed(firmware)
+    built.device.tamper = lambda replies: []
+    before = built.clock.now()
+    built.bus.exchange([0.0] * COUNT, PERIOD)
+    wire = (14 + 5 * COUNT) + (14 + COUNT) + (8 + 14 * COUNT if firmware == FAST else 21 * COUNT)
+    assert built.clock.now() - before == wire * 10_000 + 2_000_000
+
+
+def test_an_exchange_never_outlasts_its_tick() -> None:
+    built = armed(PLAIN)
+    built.device.tamper = lambda replies: []
+    before = built.clock.now()
+    built.bus.exchange([0.0] * COUNT, 2_000_000)
+    assert built.clock.now() - before == 1_800_000
+
+
+def test_a_missing_servo_is_named_and_nothing_is_armed() -> None:
+    built = rig()
+    built.servos[3].table["id"] = 77
+    built.servos[3].write(65, b"\x00")  # any write makes the firmware look at its settings
+    with pytest.raises(BusError, match=r"no answer on bus legs from j3 \(id 4\)\.$"):
+        built.bus.arm()
+    assert [servo.table["torque_enable"] for servo in built.servos] == [0] * COUNT
+
+
+def test_a_servo_with_a_hardware_error_is_not_armed() -> None:
+    built = rig()
+    built.physics.temperature_c[2] = 90.0
+    built.physics.step(np.zeros(COUNT), np.zeros(COUNT), 20_000_000)
+    with pytest.raises(BusError, match=r"j2 \(id 3, bus legs\) reports a hardware error"):
+        built.bus.arm()
+    assert [servo.table["torque_enable"] for servo in built.servos] == [0] * COUNT
+
+
+def test_an_overheated_servo_raises_its_alert_in_the_cycle_and_its_data_still_counts() -> None:
+    built = armed()
+    built.physics.temperature_c[2] = 90.0
+    built.physics.step(np.zeros(COUNT), np.zeros(COUNT), built.clock.now() + 20_000_000)
+    state = built.bus.exchange([0.0] * COUNT, PERIOD)
+    assert built.line.alerts == {"j2"}
+    assert state.valid == (True,) * COUNT
+
+
+def test_disarming_reaches_everyone_and_never_raises() -> None:
+    built = armed()
+    built.bus.disarm()
+    assert [servo.table["torque_enable"] for servo in built.servos] == [0] * COUNT
+
+    def broken(data: bytes) -> None:
+        raise OSError("the cable is out")
+
+    built.line.port.write = broken  # type: ignore[method-assign]
+    built.bus.disarm()
+    built.bus.close()
