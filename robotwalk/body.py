@@ -16,7 +16,7 @@ def advanced(pose: Pose, twist: Twist, seconds: float) -> Pose:
         along, across = math.sin(turn) / wz, (1.0 - math.cos(turn)) / wz
     dx, dy = vx * along - vy * across, vx * across + vy * along
     c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    return pose._replace(x=pose.x + c * dx - s * dy, y=pose.y + s * dx + c * dy, yaw=pose.yaw + turn)
+    return Pose(pose.x + c * dx - s * dy, pose.y + s * dx + c * dy, pose.z, pose.roll, pose.pitch, pose.yaw + turn)
 
 
 def placed(pose: Pose, point: Vec3) -> tuple[float, float]:

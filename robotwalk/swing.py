@@ -26,12 +26,13 @@ def least_jerk(motion: Motion, target: float, remaining: float, dt: float) -> Mo
     if remaining <= dt:
         return Motion(target, 0.0, 0.0)
     p, v, a = motion
-    r = remaining
+    r, inverse = remaining, 1.0 / remaining
     way = target - p - (v + 0.5 * a * r) * r
-    dv, da = -(v + a * r), -a
-    c3 = (10.0 * way - (4.0 * dv - 0.5 * da * r) * r) / r**3
-    c4 = (-15.0 * way + (7.0 * dv - da * r) * r) / r**4
-    c5 = (6.0 * way - (3.0 * dv - 0.5 * da * r) * r) / r**5
+    dv, da = (v + a * r) * r, a * r * r
+    cubed = inverse * inverse * inverse
+    c3 = (10.0 * way + 4.0 * dv - 0.5 * da) * cubed
+    c4 = (-15.0 * way - 7.0 * dv + da) * cubed * inverse
+    c5 = (6.0 * way + 3.0 * dv - 0.5 * da) * cubed * inverse * inverse
     return Motion(
         p + (v + (0.5 * a + (c3 + (c4 + c5 * dt) * dt) * dt) * dt) * dt,
         v + (a + (3.0 * c3 + (4.0 * c4 + 5.0 * c5 * dt) * dt) * dt) * dt,

@@ -33,6 +33,8 @@ class VelocityShaper:
     def __init__(self, limits: MotionLimits) -> None:
         self._limits = limits
         self._twist = STILL
+        self._asked: tuple[Twist, Gait] | None = None
+        self._feasible = (STILL, 1.0)
 
     @property
     def twist(self) -> Twist:
@@ -41,7 +43,11 @@ class VelocityShaper:
 
     def step(self, wanted: Twist, gait: Gait, dt: float, hold_back: float = 1.0) -> Shaped:
         """Advance by `dt` s towards `wanted`, or a share of it while the feet cannot follow."""
-        aim, scale = feasible(wanted, self._limits, gait)
+        # A command lasts for many ticks.
+        if self._asked is None or self._asked[0] is not wanted or self._asked[1] is not gait:
+            self._asked = wanted, gait
+            self._feasible = feasible(wanted, self._limits, gait)
+        aim, scale = self._feasible
         aim = Twist(aim.vx * hold_back, aim.vy * hold_back, aim.wz * hold_back)
         now = self._twist
         dx, dy, dw = aim.vx - now.vx, aim.vy - now.vy, aim.wz - now.wz
