@@ -1,38 +1,30 @@
-"""What a tick costs on the wire, in bytes and seconds. Source: e-Manual, Protocol 2.0, frame layouts."""
+"""What a tick costs on the wire, in bytes and seconds: counted on the frames that would be sent."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from hal.protocol import ServoProtocol
 from hal.register_map import ServoModel
 
 _BITS_PER_BYTE = 10  # 8N1
-_RETURN_DELAY_S = 2e-6  # per count of the Return Delay Time register
+_RETURN_DELAY_S = 2e-6  # per count of the register, with every brand here
 
 
 class Exchange(NamedTuple):
-    """One write of all goals and one read of all states, on one bus."""
+    """One write of all goals and one read of all states, on one bus, without stuffing."""
 
     tx_bytes: int
     rx_bytes: int
-    return_delays: int  # waits for a servo's Return Delay Time
+    return_delays: int  # waits for a servo's return delay
 
 
-def dynamixel(servos: int, goal_bytes: int, feedback_bytes: int, *, fast: bool) -> Exchange:
-    """Return the cost of a sync write and a sync read, or fast sync read, without stuffing."""
-    write = 14 + servos * (1 + goal_bytes)
-    request = 14 + servos
-    if fast:
-        return Exchange(write + request, 8 + servos * (feedback_bytes + 4), 1)
-    return Exchange(write + request, servos * (feedback_bytes + 11), servos)
-
-
-def cyclic(models: Sequence[ServoModel]) -> Exchange:
-    """Return the cost of a tick for servos that share one wire and one register layout, on their best firmware."""
-    model = models[0]
-    feedback = model.feedback
-    size = feedback[-1].end - feedback[0].address
-    fast = all(m.fast_sync_read_firmware is not None for m in models)
-    return dynamixel(len(models), model[model.cyclic.goal].size, size, fast=fast)
+def cyclic(protocol: ServoProtocol, models: Sequence[ServoModel], *, fast: bool) -> Exchange:
+    """Return the cost of a tick for servos that share one wire and one register layout."""
+    ids = range(1, len(models) + 1)
+    goal, feedback = models[0][models[0].cyclic.goal], models[0].feedback
+    write = protocol.sync_write(goal.address, goal.size, [(servo_id, bytes(goal.size)) for servo_id in ids])
+    request, reply = protocol.group_read(feedback.address, feedback.size, ids, fast=fast)
+    return Exchange(len(write) + len(request), reply.size, reply.waits)
 
 
 def wire_seconds(exchange: Exchange, baud: int, return_delay: int = 0) -> float:

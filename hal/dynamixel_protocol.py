@@ -29,9 +29,11 @@ What `Receiver` makes of a garbled stream:
 from collections.abc import Iterable, Sequence
 from enum import IntEnum
 from struct import Struct
-from typing import NamedTuple, Self
+from typing import Self
 
 from fastcrc.crc16 import umts as crc16
+
+from hal.protocol import GroupReply, SeparateReplies, Status
 
 BROADCAST_ID = 0xFE
 MAX_ID = 252
@@ -44,6 +46,7 @@ _RANGE = Struct("<HH")  # address, length
 _STATUS = 0x55
 _ALERT = 0x80
 _MIN_LENGTH = 3  # instruction and CRC
+_STATUS_OVERHEAD = 11  # bytes of a status without parameters
 
 
 class Instruction(IntEnum):
@@ -87,15 +90,6 @@ def describe_error(number: int) -> str:
         return "no error"
     unknown = f"error number {number}, which the protocol does not define"
     return next((error.description for error in ErrorNumber if error == number), unknown)
-
-
-class Status(NamedTuple):
-    """What one servo answered."""
-
-    id: int
-    error: int  # 0, or an ErrorNumber, or a number up to 127 that is not defined
-    alert: bool  # Hardware Error Status is not zero; the data is valid all the same
-    data: bytes  # without stuffing
 
 
 def ping(servo_id: int) -> bytes:
@@ -154,6 +148,18 @@ def fast_sync_read(address: int, length: int, ids: Sequence[int]) -> bytes:
     return _instruction(BROADCAST_ID, Instruction.FAST_SYNC_READ, _range(address, length) + bytes(ids))
 
 
+def group_read(address: int, length: int, ids: Sequence[int], *, fast: bool) -> tuple[bytes, GroupReply]:
+    """Return a fast sync read or a sync read, and what collects the answers."""
+    if fast:
+        return fast_sync_read(address, length, ids), FastSyncReply(ids, length)
+    return sync_read(address, length, ids), SeparateReplies(Receiver(), ids, length + _STATUS_OVERHEAD)
+
+
+def receiver() -> "Receiver":
+    """Return a new `Receiver`."""
+    return Receiver()
+
+
 class Receiver:
     """Finds the statuses in a stream of bytes that may be garbled (see the module's list)."""
 
@@ -196,6 +202,8 @@ class FastSyncReply:
     until a good block has come. `corrupt` tells that a block came garbled; it and all behind it stay None.
     """
 
+    waits = 1  # the return delay passes once for all
+
     def __init__(self, ids: Sequence[int], length: int) -> None:
         _check_ids(ids)
         self._ids = tuple(ids)
@@ -204,6 +212,8 @@ class FastSyncReply:
         if size > MAX_LENGTH:
             raise ValueError(f"a reply may be {MAX_LENGTH} bytes long, not {size}: read less at once")
         self._head = _HEAD.pack(_HEADER, BROADCAST_ID, size) + bytes((_STATUS,))
+        self.size = _HEAD.size + size
+        self.bad_frames = 0
         self.reset()
 
     def reset(self) -> None:
@@ -239,8 +249,9 @@ class FastSyncReply:
             end = position + size
             error, servo_id, data, received = self._block.unpack_from(pending, position)
             crc = crc16(pending[position : end - 2], crc)
-            if crc != received or servo_id != expected:
+            if not self.corrupt and (crc != received or servo_id != expected):
                 self.corrupt = True
+                self.bad_frames += 1
             if not self.corrupt:
                 self.results[servo_id] = Status(servo_id, error & ~_ALERT, error >= _ALERT, data)
             crc = crc16(pending[end - 2 : end], crc)

@@ -1,20 +1,64 @@
-"""Raw register values <-> bytes: little-endian, two's complement where the register is signed."""
+"""Raw register values <-> bytes: little-endian; two's complement or sign and magnitude where signed."""
 
-from hal.register_map import Register
+from collections.abc import Iterator, Sequence
+from struct import Struct
+
+from hal.register_map import Block, Register
+
+_FORMATS = {1: "B", 2: "H", 4: "I"}
 
 
 def pack(register: Register, value: int) -> bytes:
     """Return the bytes that hold `value` (counts). Raises ValueError if it does not fit."""
+    if register.sign_bit is not None:
+        sign = 1 << register.sign_bit
+        if abs(value) >= sign:
+            raise ValueError(f"{register.name}: {value} does not fit beside its sign in bit {register.sign_bit}")
+        return (-value | sign if value < 0 else value).to_bytes(register.size, "little")
     try:
         return value.to_bytes(register.size, "little", signed=register.signed)
     except OverflowError:
         kind = "signed" if register.signed else "unsigned"
-        text = f"{register.name}: {value} does not fit into {8 * register.size} bits, {kind}"
-        raise ValueError(text) from None
+        raise ValueError(f"{register.name}: {value} does not fit into {8 * register.size} bits, {kind}") from None
 
 
 def unpack(register: Register, data: bytes) -> int:
     """Return the value (counts) that `data` holds. Raises ValueError if its length is not the register's."""
     if len(data) != register.size:
         raise ValueError(f"{register.name}: expected {register.size} bytes, got {len(data)}")
-    return int.from_bytes(data, "little", signed=register.signed)
+    value = int.from_bytes(data, "little", signed=register.signed)
+    return value if register.sign_bit is None else _from_magnitude(value, register.sign_bit)
+
+
+class BlockDecoder:
+    """Decodes a block that is read often, all its registers at once."""
+
+    def __init__(self, block: Block) -> None:
+        self._struct = Struct("<" + "".join(_formats(block)))
+        self._magnitudes = [
+            (index, register.sign_bit) for index, register in enumerate(block.registers)
+            if register.sign_bit is not None]
+
+    def unpack(self, data: bytes) -> Sequence[int]:
+        """Return the registers' values (counts), by address; `data` has the block's size."""
+        values = self._struct.unpack(data)
+        if not self._magnitudes:
+            return values
+        decoded = list(values)
+        for index, sign_bit in self._magnitudes:
+            decoded[index] = _from_magnitude(decoded[index], sign_bit)
+        return decoded
+
+
+def _from_magnitude(value: int, sign_bit: int) -> int:
+    sign = 1 << sign_bit
+    return -(value & ~sign) if value & sign else value
+
+
+def _formats(block: Block) -> Iterator[str]:
+    """Return the format of each register, with pad bytes where they do not adjoin."""
+    end = block.address
+    for register in block.registers:
+        letter = _FORMATS[register.size]
+        yield "x" * (register.address - end) + (letter.lower() if register.signed else letter)
+        end = register.end

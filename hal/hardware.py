@@ -60,6 +60,7 @@ def problems(
     for missing in [name for name in joints if name not in config.joints]:
         yield Problem(("joints",), f"joint {missing!r} has no servo", None)
     taken: dict[tuple[str, int], str] = {}
+    first: dict[str, tuple[str, ServoModel]] = {}  # of each bus: joint and servo
     for name, wiring in config.joints.items():
         path = ("joints", name)
         if name not in joints:
@@ -76,6 +77,12 @@ def problems(
         if bus is not None and bus.baud not in servo.baud_rates:
             rates = ", ".join(map(str, servo.baud_rates))
             yield Problem(("buses", wiring.bus, "baud"), f"servo {servo.name} of {name} has only {rates}", bus.baud)
+        other, model = first.setdefault(wiring.bus, (name, servo))
+        if (servo.protocol, servo.feedback, servo[servo.cyclic.goal]) != (
+                model.protocol, model.feedback, model[model.cyclic.goal]):
+            yield Problem(
+                (*path, "servo"), f"on bus {wiring.bus!r} with the {model.name} of {other}, whose frames differ",
+                servo.name)
         if name in joints:
             low, high = (wiring.direction * (limit - wiring.zero_deg) for limit in joints[name])
             reach = servo.encoder.range_deg

@@ -9,11 +9,14 @@ import math
 from collections.abc import Iterator
 from enum import StrEnum
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-_SI_UNITS = {"rpm": 2.0 * math.pi / 60.0, "rev/min^2": 2.0 * math.pi / 3600.0, "us": 1e-6, "ms": 1e-3, "%": 1e-2}
+_SI_UNITS = {
+    "rpm": 2.0 * math.pi / 60.0, "rev/s": 2.0 * math.pi, "rev/min^2": 2.0 * math.pi / 3600.0,
+    "us": 1e-6, "ms": 1e-3, "%": 1e-2, "mA": 1e-3,
+}
 
 
 class Row(BaseModel):
@@ -44,7 +47,8 @@ class Register(Row):
     size: Literal[1, 2, 4]
     access: Access
     memory: Memory
-    signed: bool = False
+    signed: bool = False  # two's complement
+    sign_bit: int | None = None  # the bit that holds the sign, where the rest is the magnitude
     unit: str = ""  # of one count times `scale`
     scale: float = 1.0
     range: tuple[int, int] | None = None
@@ -60,6 +64,22 @@ class Register(Row):
     def si_scale(self) -> float:
         """The value of one count in the unit's SI counterpart."""
         return self.scale * _SI_UNITS.get(self.unit, 1.0)
+
+
+class Block(NamedTuple):
+    """Registers that are read at once, by address."""
+
+    registers: tuple[Register, ...]
+
+    @property
+    def address(self) -> int:
+        """Where it begins."""
+        return self.registers[0].address
+
+    @property
+    def size(self) -> int:
+        """How many bytes it spans, holes included."""
+        return self.registers[-1].end - self.address
 
 
 class Encoder(Row):
@@ -95,7 +115,7 @@ class OperatingPoint(Row):
 
     voltage_v: Annotated[float, Field(gt=0)]
     stall_torque_nm: Annotated[float, Field(gt=0)]
-    stall_current_a: Annotated[float, Field(gt=0)]
+    stall_current_a: Annotated[float, Field(gt=0)] | None = None  # not every data sheet has it
     no_load_rpm: Annotated[float, Field(gt=0)]
 
     @property
@@ -143,18 +163,35 @@ class PositionLoop(Row):
     pwm_full_scale: Annotated[int, Field(gt=0)]  # counts of the PWM registers at 100 % duty
 
 
-class FirmwareAssumptions(Row):
-    """What no manual states, and the fake servo must decide. Each is a switch, with its reason in the file."""
+class DynamixelFirmware(Row):
+    """What no manual of the X series states, and the fake servo must decide: switches, with their reasons."""
 
+    kind: Literal["dynamixel-x"]
     version: Annotated[int, Field(ge=0, le=255)]
     time_base_hz: Annotated[float, Field(gt=0)]  # of integral and derivative terms
     derivative_gain: bool  # whether the position D gain acts
-    goal_follows_present: bool  # whether torque-on sets the goal position to the present one
+    goal_follows_present: bool  # whether torque-on sets the goal to where the shaft is
     later_ids_answer: bool  # whether a sync read goes on behind a silent servo
     reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after a reboot
     overload_duty: Annotated[float, Field(gt=0, le=1)]
     overload_s: Annotated[float, Field(gt=0)]
     temperature_c: float  # the fake has no heat model: every servo stays at this
+
+
+class StsFirmware(Row):
+    """The same for Feetech's STS series."""
+
+    kind: Literal["feetech-sts"]
+    largest_duty: Annotated[float, Field(gt=0, le=1)]
+    goal_slew_steps_s: Annotated[float, Field(gt=0)]  # how fast the inner goal may move
+    derivative_gain: bool  # whether the position D gain acts
+    later_ids_answer: bool  # whether a sync read goes on behind a silent servo
+    torque_at_power_up: bool
+    damping: bool  # whether torque enable 2 brakes the motor; otherwise it is as 0
+    reboot: bool  # whether instruction 0x08 restarts the servo; otherwise it is not known
+    overload_clears_on_new_goal: bool  # in the other direction; otherwise only torque off and on clears it
+    torque_flag_in_status: bool  # whether bit 0x10 of the error byte means "torque is on"
+    temperature_c: float
 
 
 class ServoModel(Row):
@@ -163,7 +200,7 @@ class ServoModel(Row):
     schema_version: Annotated[Literal[1], Field(alias="schema")]
     name: str
     description: str
-    protocol: Literal["dynamixel-2.0"]
+    protocol: Literal["dynamixel-2.0", "feetech-sts"]
     model_number: int
     fast_sync_read_firmware: int | None  # the first firmware that has it; None: none has
     baud_rates: Annotated[tuple[int, ...], Field(min_length=1)]  # by value of the baud_rate register
@@ -172,7 +209,7 @@ class ServoModel(Row):
     specification: Specification
     motor: Motor
     position_loop: PositionLoop
-    firmware: FirmwareAssumptions
+    firmware: Annotated[DynamixelFirmware | StsFirmware, Field(discriminator="kind")]
     registers: tuple[Register, ...]
 
     @cached_property
@@ -180,11 +217,11 @@ class ServoModel(Row):
         """The rows by their names."""
         return {register.name: register for register in self.registers}
 
-    @property
-    def feedback(self) -> list[Register]:
-        """The registers read in every tick, by address."""
+    @cached_property
+    def feedback(self) -> "Block":
+        """The registers read in every tick."""
         names = (self.cyclic.effort, self.cyclic.velocity, self.cyclic.position)
-        return sorted((self[name] for name in names), key=lambda register: register.address)
+        return Block(tuple(sorted((self[name] for name in names), key=lambda register: register.address)))
 
     def __getitem__(self, name: str) -> Register:
         return self.by_name[name]

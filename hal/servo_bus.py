@@ -4,8 +4,7 @@ import contextlib
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from hal import dynamixel_protocol as protocol
-from hal.dynamixel_line import DynamixelLine, Wired
+from hal.servo_line import ServoLine, Wired
 from robotwalk.errors import BusError
 from robotwalk.ports import Clock
 from robotwalk.types import BusStatistics, JointState
@@ -21,7 +20,7 @@ class SerialServoBus:
     keep their last values, marked not valid, and their age grows.
     """
 
-    def __init__(self, joints: Sequence[str], lines: Sequence[DynamixelLine], clock: Clock) -> None:
+    def __init__(self, joints: Sequence[str], lines: Sequence[ServoLine], clock: Clock) -> None:
         self._joints = tuple(joints)
         self._lines = tuple(lines)
         self._clock = clock
@@ -91,29 +90,33 @@ class SerialServoBus:
                 line.write_register(self._clock, servo, "torque_enable", 1)
         return state
 
-    def _find(self, line: DynamixelLine) -> None:
+    def _find(self, line: ServoLine) -> None:
         """Ping every servo of a wire and check that it is what the robot's file says."""
         missing: list[Wired] = []
         fast = True
         for servo in line.servos:
-            status = line.request(self._clock, protocol.ping(servo.id), servo.id)
-            if status is None or len(status.data) != 3:
+            who = f"{servo.joint} (id {servo.id}, bus {line.name})"
+            status = line.request(self._clock, line.protocol.ping(servo.id), servo.id)
+            if status is None:
                 missing.append(servo)
                 continue
-            number, firmware = int.from_bytes(status.data[:2], "little"), status.data[2]
+            if status.alert:
+                raise BusError(f"{who} reports a hardware error; reboot it")
+            number = line.read_register(self._clock, servo, "model_number")
             if number != servo.model.model_number:
                 raise BusError(
-                    f"{servo.joint} (id {servo.id}, bus {line.name}) should be a {servo.model.name} "
-                    f"(model {servo.model.model_number}); model {number} answered")
-            if status.alert:
-                raise BusError(f"{servo.joint} (id {servo.id}, bus {line.name}) reports a hardware error; reboot it")
-            needed = servo.model.fast_sync_read_firmware
-            fast = fast and needed is not None and firmware >= needed
+                    f"{who} should be a {servo.model.name} (model {servo.model.model_number}); model {number} answered")
+            fast = fast and self._reads_fast(line, servo)
         if missing:
             names = ", ".join(f"{servo.joint} (id {servo.id})" for servo in missing)
             everyone = " Is it powered, and is the baud right?" if len(missing) == len(line.servos) else ""
             raise BusError(f"no answer on bus {line.name} from {names}.{everyone}")
         line.read_fast(fast)
+
+    def _reads_fast(self, line: ServoLine, servo: Wired) -> bool:
+        """Tell whether a servo's firmware has fast sync read."""
+        first = servo.model.fast_sync_read_firmware
+        return first is not None and line.read_register(self._clock, servo, "firmware_version") >= first
 
     def _transact(self, goals: Sequence[float] | None, period: int) -> JointState:
         start = self._clock.now()
@@ -129,14 +132,14 @@ class SerialServoBus:
             pending = [line for line in pending if not line.complete and now < min(line.deadline, latest)]
         return self._state(self._clock.now(), self._lines)
 
-    def _state(self, now: int, lines: Iterable[DynamixelLine]) -> JointState:
+    def _state(self, now: int, lines: Iterable[ServoLine]) -> JointState:
         heard = self._heard
         for line in lines:
-            for index, position, velocity, effort in line.samples():
-                self._position[index] = position
-                self._velocity[index] = velocity
-                self._effort[index] = effort
-                heard[index] = now
+            for slot, position, velocity, effort in line.samples():
+                self._position[slot] = position
+                self._velocity[slot] = velocity
+                self._effort[slot] = effort
+                heard[slot] = now
         age = tuple((now - then) / _NS for then in heard)
         for line in lines:
             oldest = max(age[servo.slot] for servo in line.servos)

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, NamedTuple
 from hal import bus_plan
 from hal.calibration import Calibration
 from hal.drive import response
-from hal.dynamixel_line import DynamixelLine, Wired
 from hal.hardware import HardwareConfig, problems
+from hal.protocols import protocol_of
 from hal.register_map import ServoModel
 from hal.servo_bus import SerialServoBus
+from hal.servo_line import ServoLine, Wired
 from robotwalk import checks
 from robotwalk.config import library
 from robotwalk.config.document import Document
@@ -134,7 +135,10 @@ def bus_loads(blueprint: Blueprint, rate_hz: int) -> list[BusLoad]:
     loads = []
     for name, wired in blueprint.wiring.items():
         baud = blueprint.hardware.buses[name].baud
-        seconds = bus_plan.wire_seconds(bus_plan.cyclic([servo.model for servo in wired]), baud)
+        models = [servo.model for servo in wired]
+        fast = all(model.fast_sync_read_firmware is not None for model in models)
+        plan = bus_plan.cyclic(protocol_of(models[0]), models, fast=fast)
+        seconds = bus_plan.wire_seconds(plan, baud)
         loads.append(BusLoad(name, baud, len(wired), seconds, seconds * rate_hz, int(0.8 / seconds)))
     return loads
 
@@ -217,7 +221,7 @@ def _robot(
 ) -> Robot:
     model = blueprint.model
     lines = [
-        DynamixelLine(name, ports[name], blueprint.hardware.buses[name].baud, wired)
+        ServoLine(name, ports[name], blueprint.hardware.buses[name].baud, protocol_of(wired[0].model), wired)
         for name, wired in blueprint.wiring.items()
     ]
     bus = SerialServoBus(model.joint_names, lines, clock)

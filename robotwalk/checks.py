@@ -63,19 +63,19 @@ def require_reachable(document: Document, model: RobotModel) -> None:
         for leg in model.legs:
             target = leg.rest_foot._replace(z=model.foot_radius - height)
             solution = solver_for(leg).solve(*target)
-            path = ("locomotion", "feet", leg.name, "reach_mm")
-            reach = round(1000.0 * math.hypot(target.x - leg.mount.x, target.y - leg.mount.y), 1)
+            path = ("locomotion", "feet", leg.name, "rest_mm")
+            got = document.value(path)
             posture = f"at the {name} height of {1000.0 * height:.0f} mm"
             if solution.miss > 1e-9:
                 raise document.error(
                     path, f"unreachable stance: {posture} leg {leg.name} misses the foot's rest position by "
-                    f"{1000.0 * solution.miss:.0f} mm", reach)
+                    f"{1000.0 * solution.miss:.0f} mm", got)
             tight = min(_margins(leg, solution))
             if tight.margin < 0.0:
                 angle, lower, upper = (math.degrees(value) for value in (tight.angle, tight.lower, tight.upper))
                 raise document.error(
                     path, f"unreachable stance: {posture} joint {tight.joint} would be {angle:.1f} deg, outside its "
-                    f"limits of {lower:.1f} to {upper:.1f} deg", reach)
+                    f"limits of {lower:.1f} to {upper:.1f} deg", got)
 
 
 class Margin(NamedTuple):

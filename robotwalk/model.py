@@ -141,7 +141,9 @@ def _vector(millimetres: tuple[float, float, float]) -> Vec3:
 
 
 def _leg(name: str, leg: LegConfig, footfall: FootfallConfig, first: int, foot_z: float) -> Leg:
-    mount, yaw, reach = _vector(leg.mount_mm), math.radians(leg.yaw_deg), _metres(footfall.reach_mm)
+    mount, yaw = _vector(leg.mount_mm), math.radians(leg.yaw_deg)
+    out, side = (_metres(value) for value in footfall.rest_mm)
+    c, s = math.cos(yaw), math.sin(yaw)
     joints = tuple(
         Joint(
             name=f"{name}_{joint}",
@@ -161,7 +163,7 @@ def _leg(name: str, leg: LegConfig, footfall: FootfallConfig, first: int, foot_z
         yaw=yaw,
         joints=joints,
         first=first,
-        rest_foot=Vec3(mount.x + reach * math.cos(yaw), mount.y + reach * math.sin(yaw), foot_z),
+        rest_foot=Vec3(mount.x + c * out - s * side, mount.y + s * out + c * side, foot_z),
         max_stride=_metres(footfall.max_stride_mm),
         lift=_metres(footfall.lift_mm),
     )

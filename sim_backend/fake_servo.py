@@ -7,7 +7,7 @@ and restore of the control table, servos without power.
 import itertools
 import struct
 
-from hal.register_map import Memory, ServoModel
+from hal.register_map import DynamixelFirmware, Memory, ServoModel
 from sim_backend.control_table import Assignment, ControlTable, ErrorNumber, OperatingMode, StatusError
 from sim_backend.servo_physics import ServoPhysics, present_registers
 
@@ -42,6 +42,8 @@ class FakeServo:
         """Make the servo of one entry of `physics`, new but for some registers of the EEPROM."""
         self.model = physics.models[index]
         self.table = ControlTable(self.model)
+        if not isinstance(self.model.firmware, DynamixelFirmware):
+            raise ValueError(f"{self.model.name} is not a Dynamixel")  # noqa: TRY004 (a wrong model, not a wrong type)
         self._firmware = self.model.firmware
         self.table["firmware_version"] = self._firmware.version
         for name, value in factory_settings.items():

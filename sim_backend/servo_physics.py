@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from hal.register_map import ServoModel
+from hal.register_map import DynamixelFirmware, ServoModel
 from sim_backend.control_table import ControlTable, OperatingMode
 from sim_backend.motion_profile import Profile, Trajectories, profile_by_speed, profile_by_time
 
@@ -74,7 +74,9 @@ def _settings(model: ServoModel, table: ControlTable, turned: int) -> _Settings:
 
 def _gains(model: ServoModel, table: ControlTable, settings: _Settings) -> tuple[float, ...]:
     """Return P, I, D and both feed-forward gains in duty per tick and seconds."""
-    loop, rate = model.position_loop, model.firmware.time_base_hz
+    loop, firmware = model.position_loop, model.firmware
+    assert isinstance(firmware, DynamixelFirmware)
+    rate = firmware.time_base_hz
     if settings.mode == OperatingMode.PWM:
         return 0.0, 0.0, 0.0, 0.0, 0.0
     if settings.mode == OperatingMode.VELOCITY:
@@ -82,7 +84,7 @@ def _gains(model: ServoModel, table: ControlTable, settings: _Settings) -> tuple
         p, i = table["velocity_p_gain"] / _VELOCITY_DIVISOR, table["velocity_i_gain"] / _INTEGRAL_DIVISOR
         return p * duty, i * rate * duty, 0.0, 0.0, 0.0
     duty = 1.0 / loop.pwm_full_scale
-    derivative = table["position_d_gain"] if model.firmware.derivative_gain else 0
+    derivative = table["position_d_gain"] if firmware.derivative_gain else 0
     return (
         table[loop.proportional] / loop.divisor * duty,
         table["position_i_gain"] / _INTEGRAL_DIVISOR * rate * duty,

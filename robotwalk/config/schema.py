@@ -79,7 +79,7 @@ class HeightConfig(Section):
 class FootfallConfig(Section):
     """Where a foot rests, how far it may step, how high it is lifted."""
 
-    reach_mm: Positive  # from the mount, along the mount's x
+    rest_mm: tuple[float, float]  # from the mount, along its x and y
     max_stride_mm: Positive
     lift_mm: Positive
 

@@ -18,8 +18,8 @@ def section(**changes: object) -> HardwareConfig:
     for key, value in changes.items():
         joint, field = key.split("_", 1)
         joints[joint][field] = value
-    return HardwareConfig.model_validate(
-        {"buses": {"legs": {"port": "x", "baud": 1_000_000}, "tail": {"port": "y", "baud": 1_000_000}}, "joints": joints})
+    buses = {name: {"port": f"/dev/{name}", "baud": 1_000_000} for name in ("legs", "tail")}
+    return HardwareConfig.model_validate({"buses": buses, "joints": joints})
 
 
 def found(config: HardwareConfig) -> list[tuple[tuple[str, ...], str]]:

@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from hal import dynamixel_protocol
 from hal.calibration import Calibration
-from hal.dynamixel_line import DynamixelLine, Wired
 from hal.servo_bus import SerialServoBus
+from hal.servo_line import ServoLine, Wired
 from robotwalk.assembly import load_servo
 from robotwalk.errors import BusError
 from sim_backend.dynamixel_device import DynamixelDevice, Reply
@@ -48,7 +49,7 @@ class Rig(NamedTuple):
     clock: SimulatedClock
     servos: list[FakeServo]
     physics: ServoPhysics
-    line: DynamixelLine
+    line: ServoLine
 
     def hold(self, shafts: list[float], speeds: list[float] | None = None) -> None:
         """Turn the shafts there, and keep them."""
@@ -66,7 +67,7 @@ def rig(firmware: int = FAST) -> Rig:
     wired = [
         Wired(f"j{i}", i, i + 1, MODEL, Calibration(-1 if i == 1 else 1, 0.5 if i == 2 else 0.0, 2048, TICK))
         for i in range(COUNT)]
-    line = DynamixelLine("legs", port, 1_000_000, wired)
+    line = ServoLine("legs", port, 1_000_000, dynamixel_protocol, wired)
     built = Rig(SerialServoBus([f"j{i}" for i in range(COUNT)], [line], clock), device, clock, servos, physics, line)
     built.hold([0.0] * COUNT)
     return built

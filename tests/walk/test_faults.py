@@ -110,15 +110,9 @@ def test_a_servo_that_falls_silent_for_good_ends_in_a_sit_with_torque_off() -> N
 
 
 def test_another_model_at_an_id_is_named() -> None:
-    def impostor(replies: list[Reply], now: int) -> list[Reply]:
-        # The status of a ping from id 1, with model number 1020.
-        fake = bytes.fromhex("fffffd00 01 0700 55 00 fc03 2d")
-        from fastcrc import crc16
-
-        fake += crc16.umts(fake).to_bytes(2, "little")
-        return [Reply(r.delay_ns, fake) if len(r.data) == 14 and r.data[4] == 1 else r for r in replies]
-
-    with tampered(impostor).robot as robot, pytest.raises(BusError, match=r"lf_coxa .* should be a xl430-w250 .* 1020"):
+    simulation = assembly.simulate("hexapod")
+    simulation.world.servos[0].table["model_number"] = 1020
+    with simulation.robot as robot, pytest.raises(BusError, match=r"lf_coxa .* should be a xl430-w250 .* 1020"):
         robot.stand()
 
 

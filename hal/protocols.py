@@ -1,0 +1,12 @@
+"""Which module speaks which protocol."""
+
+from hal import dynamixel_protocol
+from hal.protocol import ServoProtocol
+from hal.register_map import ServoModel
+
+_PROTOCOLS: dict[str, ServoProtocol] = {"dynamixel-2.0": dynamixel_protocol}
+
+
+def protocol_of(model: ServoModel) -> ServoProtocol:
+    """Return the protocol that a servo model speaks."""
+    return _PROTOCOLS[model.protocol]

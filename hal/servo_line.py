@@ -1,0 +1,191 @@
+"""All servos on one wire: the frames of the cyclic exchange, and single requests. Any brand."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from hal import bus_plan
+from hal.calibration import Calibration
+from hal.encoding import BlockDecoder, pack, unpack
+from hal.protocol import GroupReply, ServoProtocol, Status
+from hal.register_map import ServoModel
+from robotwalk.errors import BusError
+from robotwalk.ports import BytePort, Clock
+
+_NS = 1_000_000_000
+_REQUEST_TIMEOUT = 20_000_000  # ns for the reply to a single request, an adapter's latency included
+_REPLY_MARGIN = 2_000_000  # ns past the wire time, for servos and adapter
+
+
+class Wired(NamedTuple):
+    """A servo and the joint that it moves."""
+
+    joint: str
+    slot: int  # in the robot's joint order
+    id: int
+    model: ServoModel
+    calibration: Calibration
+
+
+class Sample(NamedTuple):
+    """What one servo reported."""
+
+    slot: int  # of its joint
+    position: float  # rad
+    velocity: float  # rad/s
+    effort: float  # share of the largest output
+
+
+class ServoLine:
+    """One wire, whose servos share one protocol and one register layout.
+
+    Each cycle is `begin`, then `collect` whenever bytes have come, until `complete` or past `deadline`.
+    """
+
+    def __init__(
+        self, name: str, port: BytePort, baud: int, protocol: ServoProtocol, servos: Sequence[Wired]
+    ) -> None:
+        self.name = name
+        self.port = port
+        self.servos = tuple(servos)
+        self.protocol = protocol
+        self.tx_bytes = self.rx_bytes = self.transactions = self.lost_replies = 0
+        self.alerts: set[str] = set()  # joints whose last reply reported a fault
+        self.deadline = 0
+        self._baud = baud
+        model = servos[0].model
+        cyclic = model.cyclic
+        self._goal = model[cyclic.goal]
+        self._feedback = model.feedback
+        self._decoder = BlockDecoder(model.feedback)
+        names = [register.name for register in model.feedback.registers]
+        self._position, self._velocity = names.index(cyclic.position), names.index(cyclic.velocity)
+        self._effort = names.index(cyclic.effort)
+        self._speed_scale = model[cyclic.velocity].si_scale
+        self._effort_scale = 1.0 / cyclic.effort_full_scale
+        self._receiver = protocol.receiver()
+        self._bad_before = 0  # frames, counted by replies that are no longer in use
+        self._reply: GroupReply | None = None
+        self.read_fast(False)
+
+    @property
+    def bad_frames(self) -> int:
+        """How many frames came garbled."""
+        return self._bad_before + self._receiver.bad_frames + self._group.bad_frames
+
+    @property
+    def _group(self) -> GroupReply:
+        assert self._reply is not None
+        return self._reply
+
+    def read_fast(self, fast: bool) -> None:
+        """Choose the cyclic read: the protocol's fast form, or one reply each."""
+        if self._reply is not None:
+            self._bad_before += self._reply.bad_frames
+        ids = [servo.id for servo in self.servos]
+        self._request, self._reply = self.protocol.group_read(
+            self._feedback.address, self._feedback.size, ids, fast=fast)
+        plan = bus_plan.cyclic(self.protocol, [servo.model for servo in self.servos], fast=fast)
+        self._wire_ns = round(bus_plan.wire_seconds(plan, self._baud) * _NS)
+
+    def begin(self, goals: Sequence[float] | None, now: int) -> None:
+        """Write the goals (rad, in the robot's joint order), if any, and ask for everybody's state."""
+        frame = self._request if goals is None else self._goal_frame(goals) + self._request
+        self._drop_stale()
+        self._group.reset()
+        self._send(frame)
+        self.transactions += 1
+        self.deadline = now + self._wire_ns + _REPLY_MARGIN
+
+    def collect(self) -> None:
+        """Take the bytes that have come."""
+        data = self.port.read()
+        self.rx_bytes += len(data)
+        self._group.feed(data)
+
+    @property
+    def complete(self) -> bool:
+        """Whether nothing more will come."""
+        return self._group.complete
+
+    def samples(self) -> Iterator[Sample]:
+        """Return the samples of this cycle; a servo that did not answer well has none."""
+        results, size = self._group.results, self._feedback.size
+        for servo in self.servos:
+            status = results[servo.id]
+            if status is None or status.error or len(status.data) != size:
+                self.lost_replies += 1
+                continue
+            if status.alert:
+                self.alerts.add(servo.joint)
+            yield self._sample(servo, status.data)
+
+    def request(self, clock: Clock, frame: bytes, servo_id: int) -> Status | None:
+        """Send one instruction and wait for its status; None if none comes in time."""
+        self._drop_stale()
+        self._send(frame)
+        deadline = clock.now() + _REQUEST_TIMEOUT
+        while clock.now() < deadline:
+            clock.wait((self.port,), deadline)
+            data = self.port.read()
+            self.rx_bytes += len(data)
+            for status in self._receiver.feed(data):
+                if status.id == servo_id:
+                    return status
+        return None
+
+    def read_register(self, clock: Clock, servo: Wired, name: str) -> int:
+        """Return a register's counts.
+
+        Raises:
+            BusError: the servo does not answer or refuses.
+        """
+        register = servo.model[name]
+        status = self.request(clock, self.protocol.read(servo.id, register.address, register.size), servo.id)
+        return unpack(register, self._accepted(servo, status, f"a read of {name}").data)
+
+    def write_register(self, clock: Clock, servo: Wired, name: str, value: int) -> None:
+        """Write one register of one servo, in counts.
+
+        Raises:
+            BusError: the servo does not answer or refuses.
+        """
+        register = servo.model[name]
+        frame = self.protocol.write(servo.id, register.address, pack(register, value))
+        self._accepted(servo, self.request(clock, frame, servo.id), f"{name} = {value}")
+
+    def broadcast_torque_off(self) -> None:
+        """Switch off the torque of all servos, without waiting for anything."""
+        register = self.servos[0].model["torque_enable"]
+        self._send(self.protocol.write(self.protocol.BROADCAST_ID, register.address, pack(register, 0)))
+
+    def _accepted(self, servo: Wired, status: Status | None, what: str) -> Status:
+        who = f"{servo.joint} (id {servo.id}, bus {self.name})"
+        if status is None:
+            raise BusError(f"{who} does not answer to {what}")
+        if status.error:
+            raise BusError(f"{who} refuses {what}: {self.protocol.describe_error(status.error)}")
+        return status
+
+    def _goal_frame(self, goals: Sequence[float]) -> bytes:
+        goal = self._goal
+        items = [(servo.id, pack(goal, servo.calibration.ticks(goals[servo.slot]))) for servo in self.servos]
+        return self.protocol.sync_write(goal.address, goal.size, items)
+
+    def _sample(self, servo: Wired, data: bytes) -> Sample:
+        """Convert a servo's feedback to the joint's SI units."""
+        values, calibration = self._decoder.unpack(data), servo.calibration
+        return Sample(
+            servo.slot,
+            calibration.angle(values[self._position]),
+            calibration.speed(values[self._velocity], self._speed_scale),
+            calibration.direction * values[self._effort] * self._effort_scale,
+        )
+
+    def _drop_stale(self) -> None:
+        """Throw away what came too late, so that no reply is taken for the next one's."""
+        self.rx_bytes += len(self.port.read())
+        self._receiver.reset()
+
+    def _send(self, frame: bytes) -> None:
+        self.tx_bytes += len(frame)
+        self.port.write(frame)
