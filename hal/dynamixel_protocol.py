@@ -37,6 +37,7 @@ from hal.protocol import GroupReply, SeparateReplies, Status
 
 BROADCAST_ID = 0xFE
 MAX_ID = 252
+PING_SLOT_NS = 3_000_000  # what ROBOTIS's libraries allow for
 MAX_LENGTH = 1024  # our limit for L; no X-series control table is longer (e-Manual: it ends at 661)
 
 _HEADER = b"\xff\xff\xfd\x00"

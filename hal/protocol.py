@@ -107,6 +107,11 @@ class ServoProtocol(Protocol):
         """The id that everybody obeys."""
         ...
 
+    @property
+    def PING_SLOT_NS(self) -> int | None:  # noqa: N802 (a module's constant)
+        """How long after a broadcast ping each id has for its answer, ns; None: they would all answer at once."""
+        ...
+
     def receiver(self) -> Receiver:
         """Return what finds statuses in the bytes that come back."""
         ...

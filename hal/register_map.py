@@ -54,6 +54,7 @@ class Register(Row):
     range: tuple[int, int] | None = None
     choices: tuple[int, ...] | None = None  # the only values allowed, where the range has holes
     default: int | None = None  # None: measured, or set up by the firmware at start
+    flags: tuple[str | None, ...] = ()  # what each bit means, from bit 0 on; null: nothing that is known
 
     @property
     def end(self) -> int:
@@ -108,6 +109,7 @@ class Cyclic(Row):
     effort_full_scale: Annotated[int, Field(gt=0)]  # counts at the servo's largest output
     velocity: str
     position: str
+    torque_cap: str  # the register that bounds the output, for a gentle start
 
 
 class OperatingPoint(Row):
@@ -184,8 +186,12 @@ class StsFirmware(Row):
     kind: Literal["feetech-sts"]
     largest_duty: Annotated[float, Field(gt=0, le=1)]
     goal_slew_steps_s: Annotated[float, Field(gt=0)]  # how fast the inner goal may move
+    velocity_divisor: Annotated[float, Field(gt=0)]  # velocity P gain / this = duty per step/s
+    integral_s: Annotated[float, Field(gt=0)]  # an I gain acts as P does on the error summed over this time
+    derivative_s: Annotated[float, Field(ge=0)]  # a D gain acts as P does on the change within this time
     derivative_gain: bool  # whether the position D gain acts
     later_ids_answer: bool  # whether a sync read goes on behind a silent servo
+    reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after power-up
     torque_at_power_up: bool
     damping: bool  # whether torque enable 2 brakes the motor; otherwise it is as 0
     reboot: bool  # whether instruction 0x08 restarts the servo; otherwise it is not known
@@ -242,7 +248,9 @@ class ServoModel(Row):
             if before.end > after.address:
                 yield f"registers {before.name} and {after.name} overlap at address {after.address}"
         cyclic = self.cyclic
-        needed = (cyclic.goal, cyclic.effort, cyclic.velocity, cyclic.position, self.position_loop.proportional)
+        needed = (
+            cyclic.goal, cyclic.effort, cyclic.velocity, cyclic.position, cyclic.torque_cap,
+            self.position_loop.proportional)
         for name in needed:
             if name not in self.by_name:
                 yield f"no register is named {name!r}"

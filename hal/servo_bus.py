@@ -10,7 +10,12 @@ from robotwalk.ports import Clock
 from robotwalk.types import BusStatistics, JointState
 
 _NS = 1_000_000_000
+_MS = 1_000_000
 _SHARE_OF_PERIOD = 0.9  # of a tick that an exchange may take, whatever is missing
+_BEYOND_LIMITS = 0.1  # rad that a limp joint may hang past its limits
+_GENTLE = 0.2  # of the torque, with which a limb comes to power
+_RAMP = (0.4, 0.6, 0.8, 1.0)
+_SETTLING = 50_000_000  # ns between steps of the start
 
 
 class SerialServoBus:
@@ -34,15 +39,23 @@ class SerialServoBus:
         """The joints' names, in the robot's order."""
         return self._joints
 
-    def arm(self) -> JointState:
-        """Find every servo, let it hold where it is, switch torque on (servo by servo).
+    def arm(self, period: int, torque: float = 1.0) -> JointState:
+        """Find every servo, let it hold where it is, switch torque on, limb by limb and gently.
+
+        A servo whose torque is on already may be what the robot stands on: it keeps it, and its goal becomes where
+        it is.
+
+        Args:
+            period: of the cycle that shall follow, ns.
+            torque: share of the largest output that the servos may use.
 
         Raises:
-            BusError: a servo is missing, is another model, or reports an error. Torque is then off.
+            BusError: a servo is missing, is another model, reports an error, or stands outside its joint's limits;
+                or the bus is too slow for the period. Torque is then off.
         """
         try:
-            return self._find_and_hold()
-        except BusError:
+            return self._find_and_hold(period, torque)
+        except BaseException:
             self.disarm()
             raise
 
@@ -75,42 +88,99 @@ class SerialServoBus:
             for line in self._lines
         }
 
-    def _find_and_hold(self) -> JointState:
+    def _find_and_hold(self, period: int, torque: float) -> JointState:
         for line in self._lines:
             self._find(line)
+            self._check_pace(line, period)
         self._heard = [self._clock.now()] * len(self._joints)
         state = self._transact(None, _NS)
-        silent = [name for name, valid in zip(self._joints, state.valid, strict=True) if not valid]
-        if silent:
-            raise BusError(f"no position from {', '.join(silent)}")
+        self._check_positions(state)
+        idle = {line.name: [servo for servo in line.servos if not self._is_on(line, servo)] for line in self._lines}
+        for line in self._lines:
+            if idle[line.name]:
+                line.cap_torque(_GENTLE * torque, idle[line.name])
         # The goal register may hold anything: it must hold the present position before torque is on.
         self._transact(state.position, _NS)
+        for limb in dict.fromkeys(servo.limb for line in self._lines for servo in line.servos):
+            for line in self._lines:
+                for servo in idle[line.name]:
+                    if servo.limb == limb:
+                        self._switch_on(line, servo, state.position[servo.slot])
+            self._pause()
+        for share in _RAMP:
+            for line in self._lines:
+                if idle[line.name]:
+                    line.cap_torque(share * torque, idle[line.name])
+            self._pause()
+        return self._transact(state.position, _NS)
+
+    def _switch_on(self, line: ServoLine, servo: Wired, position: float) -> None:
+        """Switch torque on, once the servo has shown that its goal is where it is: nobody acknowledged that."""
+        name = servo.model.cyclic.goal
+        goal = line.read_register(self._clock, servo, name)
+        if goal != servo.calibration.ticks(position):
+            raise BusError(f"{servo} on bus {line.name} did not take its position as goal: it holds {goal} in {name}")
+        line.write_register(self._clock, servo, "torque_enable", 1)
+
+    def _is_on(self, line: ServoLine, servo: Wired) -> bool:
+        return line.read_register(self._clock, servo, "torque_enable") != 0
+
+    def _pause(self) -> None:
+        self._clock.wait((), self._clock.now() + _SETTLING)
+
+    def _check_positions(self, state: JointState) -> None:
+        """Refuse what cannot be a joint's angle: a missing one, or one outside its limits."""
         for line in self._lines:
             for servo in line.servos:
-                line.write_register(self._clock, servo, "torque_enable", 1)
-        return state
+                angle = state.position[servo.slot]
+                if not state.valid[servo.slot]:
+                    raise BusError(f"no position from {servo} on bus {line.name}")
+                if not servo.lower - _BEYOND_LIMITS <= angle <= servo.upper + _BEYOND_LIMITS:
+                    raise BusError(
+                        f"{servo} on bus {line.name} stands at {math.degrees(angle):.0f} deg, outside the joint's "
+                        f"{math.degrees(servo.lower):.0f} to {math.degrees(servo.upper):.0f} deg; "
+                        "is its direction and zero_deg right?")
+
+    def _check_pace(self, line: ServoLine, period: int) -> None:
+        """Refuse a bus that cannot carry a cycle in its period."""
+        if line.exchange_ns <= _SHARE_OF_PERIOD * period:
+            return
+        rate, exchange = _NS // period, line.exchange_ns / _MS
+        largest = int(_SHARE_OF_PERIOD * _NS / line.exchange_ns)
+        cause = f"its bytes take {line.wire_ns / _MS:.1f} ms at this baud"
+        if line.latency > line.wire_ns:
+            cause = (
+                f"the adapter holds every reply back for {line.latency / _MS:.0f} ms (an FTDI's latency_timer is 16 ms "
+                "unless set to 1 in /sys/bus/usb-serial/devices/ttyUSB*/latency_timer)")
+        raise BusError(
+            f"bus {line.name} cannot be read at {rate} Hz: an exchange takes {exchange:.1f} ms, for {cause}. "
+            f"As it is, --rate {largest} is the most")
 
     def _find(self, line: ServoLine) -> None:
         """Ping every servo of a wire and check that it is what the robot's file says."""
         missing: list[Wired] = []
         fast = True
+        latencies = []
         for servo in line.servos:
-            who = f"{servo.joint} (id {servo.id}, bus {line.name})"
-            status = line.request(self._clock, line.protocol.ping(servo.id), servo.id)
+            status, latency = line.ping(self._clock, servo)
             if status is None:
                 missing.append(servo)
                 continue
+            latencies.append(latency)
             if status.alert:
-                raise BusError(f"{who} reports a hardware error; reboot it")
+                raise BusError(
+                    f"{servo} on bus {line.name} reports a hardware error (overload, heat or voltage); "
+                    "its torque stays off until it is rebooted")
             number = line.read_register(self._clock, servo, "model_number")
             if number != servo.model.model_number:
                 raise BusError(
-                    f"{who} should be a {servo.model.name} (model {servo.model.model_number}); model {number} answered")
+                    f"{servo} on bus {line.name} should be a {servo.model.name} "
+                    f"(model {servo.model.model_number}); model {number} answered")
             fast = fast and self._reads_fast(line, servo)
         if missing:
-            names = ", ".join(f"{servo.joint} (id {servo.id})" for servo in missing)
             everyone = " Is it powered, and is the baud right?" if len(missing) == len(line.servos) else ""
-            raise BusError(f"no answer on bus {line.name} from {names}.{everyone}")
+            raise BusError(f"no answer on bus {line.name} from {', '.join(map(str, missing))}.{everyone}")
+        line.latency = min(latencies)
         line.read_fast(fast)
 
     def _reads_fast(self, line: ServoLine, servo: Wired) -> bool:

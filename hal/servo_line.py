@@ -12,7 +12,8 @@ from robotwalk.errors import BusError
 from robotwalk.ports import BytePort, Clock
 
 _NS = 1_000_000_000
-_REQUEST_TIMEOUT = 20_000_000  # ns for the reply to a single request, an adapter's latency included
+_BITS_PER_BYTE = 10
+_REQUEST_TIMEOUT = 40_000_000  # ns for the reply to a single request; an FTDI adapter holds it back for 16 ms
 _REPLY_MARGIN = 2_000_000  # ns past the wire time, for servos and adapter
 
 
@@ -20,10 +21,16 @@ class Wired(NamedTuple):
     """A servo and the joint that it moves."""
 
     joint: str
+    limb: str  # whose joints come to power together
     slot: int  # in the robot's joint order
     id: int
     model: ServoModel
     calibration: Calibration
+    lower: float  # rad, the joint's limits
+    upper: float
+
+    def __str__(self) -> str:
+        return f"{self.joint} (id {self.id})"
 
 
 class Sample(NamedTuple):
@@ -51,6 +58,7 @@ class ServoLine:
         self.tx_bytes = self.rx_bytes = self.transactions = self.lost_replies = 0
         self.alerts: set[str] = set()  # joints whose last reply reported a fault
         self.deadline = 0
+        self.latency = 0  # ns that a reply takes beyond its time on the wire
         self._baud = baud
         model = servos[0].model
         cyclic = model.cyclic
@@ -77,6 +85,16 @@ class ServoLine:
         assert self._reply is not None
         return self._reply
 
+    @property
+    def wire_ns(self) -> int:
+        """How long a cycle's bytes are on the wire, ns."""
+        return self._wire_ns
+
+    @property
+    def exchange_ns(self) -> int:
+        """How long a cycle takes, ns: its bytes, and the adapter's latency."""
+        return self._wire_ns + self.latency
+
     def read_fast(self, fast: bool) -> None:
         """Choose the cyclic read: the protocol's fast form, or one reply each."""
         if self._reply is not None:
@@ -94,7 +112,7 @@ class ServoLine:
         self._group.reset()
         self._send(frame)
         self.transactions += 1
-        self.deadline = now + self._wire_ns + _REPLY_MARGIN
+        self.deadline = now + self.exchange_ns + self.latency // 4 + _REPLY_MARGIN
 
     def collect(self) -> None:
         """Take the bytes that have come."""
@@ -133,15 +151,34 @@ class ServoLine:
                     return status
         return None
 
+    def ping(self, clock: Clock, servo: Wired) -> tuple[Status | None, int]:
+        """Ping a servo; return its status and how long it took beyond the bytes' time on the wire, ns."""
+        frame = self.protocol.ping(servo.id)
+        received, began = self.rx_bytes, clock.now()
+        status = self.request(clock, frame, servo.id)
+        on_wire = (len(frame) + self.rx_bytes - received) * _BITS_PER_BYTE * _NS // self._baud
+        return status, max(clock.now() - began - on_wire, 0)
+
+    def cap_torque(self, share: float, servos: Sequence[Wired]) -> None:
+        """Bound the output of servos to a share of the largest. Nobody acknowledges it."""
+        register = self.servos[0].model[self.servos[0].model.cyclic.torque_cap]
+        assert register.range is not None
+        data = pack(register, round(share * register.range[1]))
+        items = [(servo.id, data) for servo in servos]
+        self._send(self.protocol.sync_write(register.address, register.size, items))
+
     def read_register(self, clock: Clock, servo: Wired, name: str) -> int:
         """Return a register's counts.
 
         Raises:
-            BusError: the servo does not answer or refuses.
+            BusError: the servo does not answer, refuses, or sends something else.
         """
         register = servo.model[name]
         status = self.request(clock, self.protocol.read(servo.id, register.address, register.size), servo.id)
-        return unpack(register, self._accepted(servo, status, f"a read of {name}").data)
+        data = self._accepted(servo, status, f"a read of {name}").data
+        if len(data) != register.size:
+            raise BusError(f"{servo} on bus {self.name} answers a read of {name} with {len(data)} bytes")
+        return unpack(register, data)
 
     def write_register(self, clock: Clock, servo: Wired, name: str, value: int) -> None:
         """Write one register of one servo, in counts.

@@ -7,6 +7,7 @@
         print(robot.state.joints.position)
 """
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from robotwalk.errors import BusError, ConfigError, RobotwalkError, SafetyStop, UsageError
@@ -19,18 +20,25 @@ __all__ = ["BusError", "ConfigError", "RobotwalkError", "SafetyStop", "UsageErro
 __version__ = "0.1.0"
 
 
-def open(robot: str, *, rate_hz: int = 100, seed: int = 0) -> "Robot":
-    """Open a robot in simulation: a bundled name, or the path of a YAML file. Use it in a `with` block.
+def open(
+    robot: str, *, real: bool = False, ports: Mapping[str, str] | None = None, rate_hz: int = 100, seed: int = 0
+) -> "Robot":
+    """Open a robot, by default in simulation. Use it in a `with` block.
 
     Args:
-        robot: name or path.
+        robot: a bundled name, or the path of a YAML file.
+        real: open the serial ports that its file names; it will move.
+        ports: URLs by the names of buses, in place of the file's; physical ones need `real` too.
         rate_hz: ticks per second.
         seed: of the simulation; equal seeds give equal runs.
 
     Raises:
-        UsageError: no such robot.
+        UsageError: no such robot or bus, or a physical port without `real`.
         ConfigError: a file is wrong; says where.
+        BusError: a port does not open.
     """
-    from robotwalk.assembly import simulate  # MuJoCo takes its time to load
+    from robotwalk import assembly  # its imports take their time
 
-    return simulate(robot, rate_hz=rate_hz, seed=seed).robot
+    if real or ports:
+        return assembly.connect(robot, ports or {}, real=real, rate_hz=rate_hz).robot
+    return assembly.simulate(robot, rate_hz=rate_hz, seed=seed).robot

@@ -1,7 +1,8 @@
 """The composition root: the one place where locomotion, servos and simulator meet."""
 
+import gc
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,9 +14,11 @@ from hal.drive import response
 from hal.hardware import HardwareConfig, problems
 from hal.protocols import protocol_of
 from hal.register_map import ServoModel
+from hal.serial_transport import names_hardware, open_port
 from hal.servo_bus import SerialServoBus
 from hal.servo_line import ServoLine, Wired
 from robotwalk import checks
+from robotwalk.clock import WallClock
 from robotwalk.config import library
 from robotwalk.config.document import Document
 from robotwalk.config.schema import GaitConfig, RobotConfig
@@ -33,6 +36,7 @@ from robotwalk.recorder import Recorder
 from robotwalk.robot import Robot
 from robotwalk.supervisor import Supervisor
 from robotwalk.types import DriveResponse
+from sim_backend.adapter import AdapterName as AdapterName  # which the command line offers
 
 if TYPE_CHECKING:
     # MuJoCo is loaded only where something is simulated.
@@ -63,16 +67,23 @@ class Blueprint:
         usual = "tripod" if legs >= 6 else "trot" if legs == 4 else "wave"
         return usual if usual in self.gaits else next(iter(self.gaits))
 
+    @property
+    def bauds(self) -> dict[str, int]:
+        """The baud rate of each bus."""
+        return {name: bus.baud for name, bus in self.hardware.buses.items()}
+
     @cached_property
     def wiring(self) -> dict[str, list[Wired]]:
         """The servos of each bus, in joint order."""
         wires: dict[str, list[Wired]] = {name: [] for name in self.hardware.buses}
-        for index, joint in enumerate(self.model.joint_names):
-            row = self.hardware.joints[joint]
+        limbs = [leg.name for leg in self.model.legs for _ in leg.joints]
+        for slot, (limb, joint) in enumerate(zip(limbs, self.model.joints, strict=True)):
+            row = self.hardware.joints[joint.name]
             servo = self.servos[row.servo]
             calibration = Calibration(
                 row.direction, math.radians(row.zero_deg), servo.encoder.centre, servo.encoder.radians_per_tick)
-            wires[row.bus].append(Wired(joint, index, row.id, servo, calibration))
+            wires[row.bus].append(
+                Wired(joint.name, limb, slot, row.id, servo, calibration, joint.lower, joint.upper))
         return wires
 
     @cached_property
@@ -144,11 +155,17 @@ def bus_loads(blueprint: Blueprint, rate_hz: int) -> list[BusLoad]:
 
 
 @dataclass(frozen=True)
-class Simulation:
-    """A robot and the world in which it walks."""
+class Session:
+    """A robot ready to be armed."""
 
     blueprint: Blueprint
     robot: Robot
+
+
+@dataclass(frozen=True)
+class Simulation(Session):
+    """A robot and the world in which it walks."""
+
     world: "SimulatedRobot"
 
 
@@ -159,25 +176,113 @@ def simulate(robot: str | Blueprint, *, rate_hz: int = RATE_HZ, seed: int = 0, l
         UsageError: no such robot, an impossible rate, or a log that cannot be written.
         ConfigError: a file is wrong.
     """
+    blueprint = load(robot) if isinstance(robot, str) else robot
+    _check_rate(rate_hz)
+    world = simulated_robot(blueprint, rate_hz, seed)
+    recorder = _recorder(log, blueprint, {"rate_hz": str(rate_hz), "seed": str(seed)})
+    return Simulation(blueprint, _robot(blueprint, world.clock, world.ports, rate_hz, recorder), world)
+
+
+def simulated_robot(
+    blueprint: Blueprint, rate_hz: int, seed: int, adapter: AdapterName = "none"
+) -> "SimulatedRobot":
+    """Build a simulated robot, seated, torque off, with nothing that controls it."""
     from sim_backend.simulation import SimulatedRobot, SimulatedServo
     from sim_backend.world import Mounting
 
-    blueprint = load(robot) if isinstance(robot, str) else robot
-    if not 10 <= rate_hz <= 1000:
-        raise UsageError(f"the rate should be 10 to 1000 Hz, not {rate_hz}")
     servos = []
     for joint in blueprint.model.joint_names:
         row = blueprint.hardware.joints[joint]
         mounting = Mounting(row.direction, math.radians(row.zero_deg))
         servos.append(SimulatedServo(row.bus, row.id, blueprint.servos[row.servo], mounting))
-    bauds = {name: bus.baud for name, bus in blueprint.hardware.buses.items()}
     seated = resting_angles(blueprint.model, 0.5 * blueprint.model.body_box.z)
-    world = SimulatedRobot(blueprint.model, servos, bauds, seated, rate_hz=rate_hz, seed=seed)
-    recorder = None
-    if log is not None:
-        about = {"robot": blueprint.model.name, "rate_hz": str(rate_hz), "seed": str(seed)}
-        recorder = Recorder(log, blueprint.model.joint_names, about)
-    return Simulation(blueprint, _robot(blueprint, world.clock, world.ports, rate_hz, recorder), world)
+    return SimulatedRobot(
+        blueprint.model, servos, blueprint.bauds, seated, rate_hz=rate_hz, seed=seed, adapter=adapter)
+
+
+def serve(
+    robot: str, *, pty: Path | None, tcp: str | None, adapter: AdapterName, seed: int, truth: Path | None,
+    seconds: float | None, ready: Callable[[dict[str, str]], None], check: Callable[[], None],
+    warn: Callable[[str], None],
+) -> None:
+    """Serve a simulated robot in real time, as terminals in the folder `pty` or else at the address `tcp`.
+
+    `ready` is told the URL of each bus. It ends after some `seconds`, or when `check` raises; `warn` is told if
+    this computer is too slow.
+
+    Raises:
+        UsageError: no such robot, or a place or a file that cannot be used.
+        ConfigError: a file is wrong.
+        BusError: another server is there.
+    """
+    from sim_backend.pty_endpoint import open_ptys
+    from sim_backend.server import serve
+    from sim_backend.socket_endpoint import open_sockets, parse_address
+
+    blueprint = load(robot)
+    bauds = blueprint.bauds
+    doors = open_ptys(pty, bauds) if pty is not None else open_sockets(parse_address(tcp or ""), bauds)
+    world = simulated_robot(blueprint, RATE_HZ, seed, adapter)
+    serve(world, blueprint.model, doors, truth=truth, seconds=seconds, ready=ready, check=check, warn=warn)
+
+
+def connect(
+    robot: str | Blueprint, ports: Mapping[str, str], *, real: bool = False, rate_hz: int = RATE_HZ,
+    log: Path | None = None, torque: float = 1.0,
+) -> Session:
+    """Open a robot's serial lines, for a walk in real time. Nothing moves yet.
+
+    Args:
+        robot: its name, path or blueprint.
+        ports: URLs by the names of buses, in place of those in the robot's file.
+        real: whether URLs may lead to a physical robot.
+        rate_hz: ticks per second.
+        log: where to record every tick.
+        torque: share of their largest output that the servos may use.
+
+    Raises:
+        UsageError: no such robot or bus, a rate or a log that is impossible, or a physical robot not asked for.
+        ConfigError: a file is wrong.
+        BusError: a port does not open.
+    """
+    blueprint = load(robot) if isinstance(robot, str) else robot
+    _check_rate(rate_hz)
+    urls = _urls(blueprint, ports, real)
+    recorder = _recorder(log, blueprint, {"rate_hz": str(rate_hz), **urls})
+    opened: dict[str, BytePort] = {}
+    try:
+        for name, url in urls.items():
+            opened[name] = open_port(url, blueprint.hardware.buses[name].baud)
+    except BaseException:
+        for port in opened.values():
+            port.close()
+        raise
+    gc.freeze()  # what is loaded by now stays; no collection need look at it again
+    return Session(blueprint, _robot(blueprint, WallClock(), opened, rate_hz, recorder, torque))
+
+
+def _urls(blueprint: Blueprint, ports: Mapping[str, str], real: bool) -> dict[str, str]:
+    """Return the URL of every bus; a physical robot only if it was asked for."""
+    buses = blueprint.hardware.buses
+    for name in ports:
+        if name not in buses:
+            raise UsageError(f"{blueprint.model.name} has no bus {name!r}; it has {', '.join(buses)}")
+    urls = {name: ports.get(name, bus.port) for name, bus in buses.items()}
+    for name, url in urls.items():
+        if not real and names_hardware(url):
+            raise UsageError(f"{url} (bus {name}) may be a physical robot: say --real to open it")
+    return urls
+
+
+def _check_rate(rate_hz: int) -> None:
+    if not 10 <= rate_hz <= 1000:
+        raise UsageError(f"the rate should be 10 to 1000 Hz, not {rate_hz}")
+
+
+def _recorder(log: Path | None, blueprint: Blueprint, about: dict[str, str]) -> Recorder | None:
+    if log is None:
+        return None
+    return Recorder(log, blueprint.model.joint_names, {"robot": blueprint.model.name, **about})
 
 
 def bare_physics(world: "SimulatedRobot", seconds: float) -> float:
@@ -217,7 +322,8 @@ def viewer(world: "SimulatedRobot") -> "Viewer":
 
 
 def _robot(
-    blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort], rate_hz: int, recorder: Recorder | None
+    blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort], rate_hz: int, recorder: Recorder | None,
+    torque: float = 1.0,
 ) -> Robot:
     model = blueprint.model
     lines = [
@@ -241,4 +347,4 @@ def _robot(
         supervisor=Supervisor(_STALE_AFTER),
         record=recorder.put if recorder else None,
     )
-    return Robot(model, tuple(blueprint.gaits), loop, bus, recorder)
+    return Robot(model, tuple(blueprint.gaits), loop, bus, recorder=recorder, torque=torque)

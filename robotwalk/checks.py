@@ -9,11 +9,11 @@ from robotwalk.config.schema import GaitConfig, RobotConfig
 from robotwalk.gait import Gait
 from robotwalk.kinematics import Solution, chain_points, resting_angles, solver_for
 from robotwalk.model import Leg, RobotModel
-from robotwalk.swing import SWING_PATHS
+from robotwalk.swing import SWING_PATHS, way_made
 from robotwalk.types import Vec3
 
 _DIRECTIONS = 24  # in which strides are tried
-_WAYS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.95, 1.0)  # made, of a swing
+_MOMENTS = tuple(index / 20.0 for index in range(21))  # of a swing
 
 
 def require_consistent(document: Document, config: RobotConfig) -> None:
@@ -107,9 +107,10 @@ class Balance(NamedTuple):
 def gait_reach(model: RobotModel, gait: Gait) -> GaitReach:
     """Try each leg's longest swings, in all directions, at all heights."""
     miss, tightest = 0.0, Margin(math.inf, "", 0.0, 0.0, 0.0)
-    for leg in model.legs:
+    for leg, sectors in zip(model.legs, gait.feet, strict=True):
         solver = solver_for(leg)
-        for target in _longest_swings(model, leg):
+        body_way = max(sector.length / sector.stance for sector in sectors)
+        for target in _longest_swings(model, leg, body_way):
             solution = solver.solve(*target)
             miss = max(miss, solution.miss)
             tightest = min(tightest, *_margins(leg, solution))
@@ -181,14 +182,19 @@ def _convex_hull(points: Sequence[tuple[float, float]]) -> list[tuple[float, flo
     return chain(ordered) + chain(ordered[::-1]) if len(ordered) > 2 else list(ordered)
 
 
-def _longest_swings(model: RobotModel, leg: Leg) -> Iterator[Vec3]:
-    """Return points of a leg's longest swings through its rest position, ends included, in the base frame."""
+def _longest_swings(model: RobotModel, leg: Leg, body_way: float) -> Iterator[Vec3]:
+    """Return points of a leg's longest swings through its rest position, ends included, in the base frame.
+
+    During a swing the body moves on by `body_way` strides, evenly, while the foot starts and lands at rest: first
+    it falls behind the stride's end.
+    """
     path = SWING_PATHS[model.swing_path]
     for height in (model.heights.lowest, model.heights.stand, model.heights.highest):
         for index in range(_DIRECTIONS):
             angle = math.tau * index / _DIRECTIONS
-            for way in _WAYS:
-                offset = leg.max_stride * (way - 0.5)
+            for moment in _MOMENTS:
+                way = way_made(moment)
+                offset = leg.max_stride * (way - 0.5 + body_way * (way - moment))
                 yield Vec3(
                     leg.rest_foot.x + offset * math.cos(angle), leg.rest_foot.y + offset * math.sin(angle),
                     model.foot_radius - height + leg.lift * path(way))

@@ -9,8 +9,10 @@ from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.kinematics import solver_for
 from robotwalk.model import RobotModel
+from robotwalk.steering import Steering
 from robotwalk.stepping import Footfalls, Stepping
 from robotwalk.supervisor import State
+from robotwalk.sway import Sway
 from robotwalk.types import LEVEL, STILL, Command, Pose, Twist
 from robotwalk.unfold import Unfold
 from robotwalk.velocity import Shaped, VelocityShaper
@@ -42,8 +44,12 @@ class Controller:
         self._clock = GaitClock(gaits[default_gait])
         self._body = Body(model.heights.sit)
         self._stepping = Stepping(model, self._body.course)
+        self._sway = Sway(model)
+        self._steering = Steering()
+        self._pose = self._body.pose
         self._unfold: Unfold | None = None
         self._idle = True
+        self._waiting = False  # lift-offs, and the needle, for the body's shift
 
     def start(self, positions: Sequence[float]) -> None:
         """Take over a seated robot whose joints are at `positions` (rad); it will hold them until it stands."""
@@ -51,6 +57,9 @@ class Controller:
         self._shaper = VelocityShaper(model.motion)
         self._body = Body(model.heights.sit)
         self._stepping = Stepping(model, self._body.course)
+        self._sway = Sway(model)
+        self._steering = Steering()
+        self._pose = self._body.pose
         seated, _ = self._angles(self._stepping.footfalls())
         self._unfold = Unfold(positions, seated)
 
@@ -61,31 +70,37 @@ class Controller:
             angles = unfold.step(dt if state is State.STAND else 0.0)
             seated = state in (State.SIT, State.FAULT)
             return Wanted(angles, STILL, 1.0, self._stepping.footfalls().planted, 0.0, False, seated)
-        bearable = self._stepping.bearable(self._clock, self._body.course, self._shaper.twist)
-        shaped = self._shape(state, command, estimate, bearable, dt)
+        shaped, bearable = self._shape(state, command, estimate, dt)
+        twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=command.heading is not None)
         height, posture = self._carriage(state, command)
-        self._body.step(shaped.twist, height, posture, dt)
-        footfalls = self._step_feet(shaped.twist, bearable, dt)
+        pose = self._body.step(twist, height, posture, dt)
+        self._turn_needle(twist, bearable, dt)
+        self._waiting = self._balance(pose, twist)
+        self._pose = self._sway.step(pose, dt)
+        footfalls = self._step_feet(twist, dt)
         angles, reach_error = self._angles(footfalls)
-        settled = self._idle and self._body.settled(height, posture)
+        settled = self._idle and self._sway.at_rest and self._body.settled(height, posture)
         lowered = height == self._model.heights.sit
         return Wanted(
-            angles, shaped.twist, shaped.scale, footfalls.planted, reach_error,
+            angles, twist, shaped.scale, footfalls.planted, reach_error,
             standing=settled and not lowered, seated=settled and lowered)
 
-    def _shape(
-        self, state: State, command: Command, estimate: Estimate, bearable: float, dt: float
-    ) -> Shaped:
+    def _shape(self, state: State, command: Command, estimate: Estimate, dt: float) -> tuple[Shaped, float]:
+        """Return the twist to walk with, and the share of the feasible one that the standing feet can bear."""
         twist = command.twist if state is State.WALK else STILL
         if state is State.WALK and command.heading is not None:
             turn = _HEADING_GAIN * (command.heading - estimate.pose.yaw)
             limit = self._model.motion.turn
             twist = twist._replace(wz=min(max(turn, -limit), limit))
-        gait, now = self._gaits[command.gait or self._default_gait], self._shaper.twist
+        gait, now, course = self._gaits[command.gait or self._default_gait], self._shaper.twist, self._body.course
+        aim = self._shaper.feasible(twist, gait)
+        share = bearable = self._stepping.bearable(self._clock, course, aim)
         # A slower gait takes over once the body is slow enough for it.
         if gait is not self._clock.gait and gait.largest_scale(now) >= 1.0:
-            self._stepping.change_gait(self._clock, gait, self._body.course, now)
-        return self._shaper.step(twist, gait, dt, bearable)
+            ready = self._stepping.change_gait(self._clock, gait, course, now)
+            if ready < 1.0 and aim != STILL:  # slow down until it is
+                share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
+        return self._shaper.step(twist, gait, dt, share), bearable
 
     def _carriage(self, state: State, command: Command) -> tuple[float, Pose]:
         """Return the height and the posture to go for; down only once the feet are at rest."""
@@ -95,23 +110,35 @@ class Controller:
         height = heights.stand if command.height is None else command.height
         return min(max(height, heights.lowest), heights.highest), command.posture
 
-    def _step_feet(self, twist: Twist, bearable: float, dt: float) -> Footfalls:
-        """Turn the needle and move the feet; with the body still and all feet at rest, do neither."""
-        course = self._body.course
-        if twist == STILL and self._stepping.settled(course):
-            self._idle = True
-            return self._stepping.footfalls()
-        if self._idle:
-            self._idle = False
+    def _turn_needle(self, twist: Twist, bearable: float, dt: float) -> None:
+        """Turn it by a tick, unless lift-offs have to wait; with the body still and all feet at rest, stop it."""
+        was_idle = self._idle
+        self._idle = twist == STILL and self._stepping.settled(self._body.course)
+        if was_idle and not self._idle:
             self._clock.rewind()
-        else:
+        elif not self._idle and not self._waiting:
             self._clock.advance(twist, dt, bearable)
-        return self._stepping.step(self._clock, course, twist, dt)
+
+    def _balance(self, pose: Pose, twist: Twist) -> bool:
+        """Aim the body's shift, if the gait asks for it; tell whether lift-offs have to wait for that."""
+        clock, stepping = self._clock, self._stepping
+        balanced = clock.gait.balance is not None and not self._idle
+        if not balanced and self._sway.at_rest:
+            return False
+        until_lift_off = stepping.until_lift_off(clock)
+        if not balanced:
+            return self._sway.release(until_lift_off)
+        return self._sway.plan(clock, stepping.footfalls(), self._body.course, pose, twist, until_lift_off)
+
+    def _step_feet(self, twist: Twist, dt: float) -> Footfalls:
+        if self._idle:
+            return self._stepping.footfalls()
+        return self._stepping.step(self._clock, self._body.course, twist, dt, hold=self._waiting)
 
     def _angles(self, footfalls: Footfalls) -> tuple[list[float], float]:
         angles: list[float] = []
         miss = 0.0
-        for solver, foot in zip(self._solvers, seen_from(self._body.pose, footfalls.centres), strict=True):
+        for solver, foot in zip(self._solvers, seen_from(self._pose, footfalls.centres), strict=True):
             solution = solver.solve(*foot)
             angles.extend(solution.angles)
             miss = max(miss, solution.miss)

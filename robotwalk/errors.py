@@ -4,6 +4,7 @@
     +-- UsageError (ValueError)    a value asked for makes no sense: a speed of NaN, an unknown gait
     +-- ConfigError (ValueError)   a robot, servo or gait file is wrong; says file, line and column
     +-- BusError (ConnectionError) a port does not open, or a servo does not answer as it must
+    +-- ServoError (RuntimeError)  a servo answers, and refuses or does not do what it was told
     +-- SafetyStop (RuntimeError)  the robot was brought to a safe pose and will not go on by itself
 
 Each has a builtin second parent, so that a caller may catch it without importing this module. A reply lost
@@ -33,6 +34,10 @@ class BusError(RobotwalkError, ConnectionError):
     """A port or a servo is not there, or is not what the robot's configuration says."""
 
     exit_code = 4
+
+
+class ServoError(RobotwalkError, RuntimeError):
+    """A servo refuses what it was told, or has not done it."""
 
 
 class SafetyStop(RobotwalkError, RuntimeError):

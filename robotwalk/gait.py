@@ -6,7 +6,7 @@ may take, then the cadence rises (ARTH section 5.2: step duration is linked to s
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from typing import NamedTuple
 
 from robotwalk.config.schema import GaitConfig
@@ -16,6 +16,10 @@ from robotwalk.types import Twist
 
 # The period follows a new gait or speed no faster than by this factor a second, so that no foot jumps.
 _PERIOD_SLEW = 4.0
+# The fastest swing is this much longer than the shortest that the robot can do: a landing is seen in the next tick,
+# and a sector without any slack would be over before the foot that waited for it lifts off.
+_SLACK = 1.05
+_NO_SPEED = 1e-9  # m/s; slower is standing still
 
 
 class Sector(NamedTuple):
@@ -28,6 +32,25 @@ class Sector(NamedTuple):
     def progress(self, phase: float) -> float:
         """Return how far into the sector the needle is, 0 to 1; outside it, 1 or more."""
         return ((phase - self.start) % 1.0) / self.length
+
+
+class Balance(NamedTuple):
+    """How a gait keeps the centre of mass over its standing feet."""
+
+    margin: float  # m to the edge of their polygon
+    acceleration: float  # m/s^2, the largest of a shift of the body
+
+
+class Support(NamedTuple):
+    """A part of the circle in which the same feet stand."""
+
+    start: float  # in [0, 1)
+    length: float  # turns
+    standing: tuple[bool, ...]  # by foot
+
+    def left(self, phase: float) -> float:
+        """Return how far the needle is from its end, in turns; more than `length` outside it."""
+        return (self.start + self.length - phase) % 1.0
 
 
 class Gait:
@@ -45,13 +68,16 @@ class Gait:
                 f"gait {config.name!r} is for the feet {', '.join(sorted(config.swing))}; "
                 f"robot {model.name!r} has {', '.join(sorted(legs))}")
         self.name = config.name
-        self.slowest_period = config.slowest_period_s
         self.feet = tuple(_sectors(config.swing[leg]) for leg in legs)
         self.longest_stance = tuple(max(sector.stance for sector in sectors) for sectors in self.feet)
         shortest_swing = min(sector.length for sectors in self.feet for sector in sectors)
-        self.fastest_period = min(model.motion.min_swing / shortest_swing, self.slowest_period)
-        self.most_swinging = max(
-            sum(self.sector_at(foot, start) is not None for foot in range(len(legs))) for start in self.starts)
+        self.fastest_period = _SLACK * model.motion.min_swing / shortest_swing
+        self.slowest_period = max(config.slowest_period_s, self.fastest_period)
+        self._together = [
+            {foot for foot in range(len(legs)) if self.sector_at(foot, start) is not None} for start in self.starts]
+        self.balance = None if config.balance is None else Balance(
+            config.balance.margin_mm * 1e-3, config.balance.acceleration_mps2)
+        self.supports = self._supports()
         self._model = model
 
     @property
@@ -59,12 +85,31 @@ class Gait:
         """The phases at which some foot lifts off, sorted."""
         return sorted({sector.start for sectors in self.feet for sector in sectors})
 
+    def _supports(self) -> tuple[Support, ...]:
+        """Cut the circle at every lift-off and touchdown."""
+        ends = {(sector.start + sector.length) % 1.0 for sectors in self.feet for sector in sectors}
+        cuts = sorted(ends.union(self.starts))
+        supports = []
+        for start, end in zip(cuts, [*cuts[1:], cuts[0] + 1.0], strict=True):
+            middle = 0.5 * (start + end) % 1.0
+            standing = tuple(self.sector_at(foot, middle) is None for foot in range(len(self.feet)))
+            supports.append(Support(start, end - start, standing))
+        return tuple(supports)
+
+    def support_at(self, phase: float) -> int:
+        """Return the index of the support that the needle is in."""
+        return min(range(len(self.supports)), key=lambda index: (phase - self.supports[index].start) % 1.0)
+
     def sector_at(self, foot: int, phase: float) -> Sector | None:
         """Return the swing that a foot's needle is in, if any."""
         for sector in self.feet[foot]:
             if (phase - sector.start) % 1.0 < sector.length:
                 return sector
         return None
+
+    def lifts_together(self, feet: Set[int]) -> bool:
+        """Tell whether these feet are in the air together at some phase."""
+        return any(feet <= together for together in self._together)
 
     def until_lift_off(self, foot: int, phase: float) -> float:
         """Return how far the needle is from a foot's next lift-off, in turns."""
@@ -74,7 +119,7 @@ class Gait:
         """Return by how much a twist may be multiplied before a leg's stride is too long, even hurrying."""
         scale = math.inf
         for leg, stance, speed in zip(self._model.legs, self.longest_stance, self.foot_speeds(twist), strict=True):
-            if speed > 0.0:
+            if speed > _NO_SPEED:
                 scale = min(scale, leg.max_stride / (speed * stance * self.fastest_period))
         return scale
 
@@ -82,7 +127,7 @@ class Gait:
         """Return the period for a twist, s: the slowest, unless a stride would be longer than its leg's."""
         period = self.slowest_period
         for leg, stance, speed in zip(self._model.legs, self.longest_stance, self.foot_speeds(twist), strict=True):
-            if speed > 0.0:
+            if speed > _NO_SPEED:
                 period = min(period, leg.max_stride / (speed * stance))
         return max(period, self.fastest_period)
 
@@ -113,7 +158,8 @@ class GaitClock:
         self.phase = phase
 
     def rewind(self) -> None:
-        """Put the needle to the next lift-off, for a start from standing."""
+        """Put the needle to the next lift-off at the slowest cadence, for a start from standing."""
+        self.period = self.gait.slowest_period
         self.phase = min(self.gait.starts, key=lambda start: (start - self.phase) % 1.0)
 
 

@@ -74,25 +74,39 @@ def _turn(first: _Column, second: _Column, c: float, s: float) -> tuple[_Column,
     )
 
 
-class CoxaFemurTibia:
-    """Closed form for yaw, pitch, pitch with straight links: the arthropod leg, knee up.
+class _Triangle:
+    """A leg's two last links and the line from the first one's joint to the foot, in the plane they bend in.
 
-    In the leg's plane the femur and the tibia are two sides of a triangle whose third, d, runs from the
-    femur's joint to the foot. Where no triangle closes, d is cut to what the lengths allow and keeps its
-    direction: the leg points at what it cannot reach.
+    Where no triangle closes, that line is cut to what the lengths allow and keeps its direction: the leg points
+    at what it cannot reach.
     """
+
+    def __init__(self, first: float, second: float) -> None:
+        self._longest = first + second - _STRETCH_MARGIN
+        self._shortest = abs(first - second) + _STRETCH_MARGIN
+        self._two_first = 2.0 * first
+        self._two_both = 2.0 * first * second
+        self._squares_difference = first * first - second * second
+        self._squares_sum = first * first + second * second
+
+    def solve(self, d: float) -> tuple[float, float, float]:
+        """Return the angle from a line of d m to the first link, the knee's bend, and by how much d was cut, m."""
+        clamped = min(max(d, self._shortest), self._longest)
+        square = clamped * clamped
+        at_first = math.acos((self._squares_difference + square) / (self._two_first * clamped))
+        knee = math.acos((self._squares_sum - square) / self._two_both)
+        return at_first, math.pi - knee, abs(d - clamped)
+
+
+class CoxaFemurTibia:
+    """Closed form for yaw, pitch, pitch with straight links: the arthropod leg, knee up."""
 
     def __init__(self, leg: Leg) -> None:
         coxa, femur, tibia = (joint.link.x for joint in leg.joints)
         self._mount = leg.mount
         self._cos, self._sin = math.cos(leg.yaw), math.sin(leg.yaw)
         self._coxa, self._femur, self._tibia = coxa, femur, tibia
-        self._longest = femur + tibia - _STRETCH_MARGIN
-        self._shortest = abs(femur - tibia) + _STRETCH_MARGIN
-        self._two_femur = 2.0 * femur
-        self._two_femur_tibia = 2.0 * femur * tibia
-        self._squares_difference = femur * femur - tibia * tibia
-        self._squares_sum = femur * femur + tibia * tibia
+        self._triangle = _Triangle(femur, tibia)
 
     @staticmethod
     def fits(leg: Leg) -> bool:
@@ -120,13 +134,67 @@ class CoxaFemurTibia:
         out = self._cos * x + self._sin * y
         side = self._cos * y - self._sin * x
         reach = math.sqrt(out * out + side * side) - self._coxa
-        d = math.sqrt(reach * reach + z * z)
-        clamped = min(max(d, self._shortest), self._longest)
-        square = clamped * clamped
-        shoulder = math.acos((self._squares_difference + square) / (self._two_femur * clamped))
-        knee = math.acos((self._squares_sum - square) / self._two_femur_tibia)
-        angles = (math.atan2(side, out), -math.atan2(z, reach) - shoulder, math.pi - knee)
-        return Solution(angles, abs(d - clamped))
+        shoulder, bend, miss = self._triangle.solve(math.sqrt(reach * reach + z * z))
+        return Solution((math.atan2(side, out), -math.atan2(z, reach) - shoulder, bend), miss)
+
+
+class HipAbduction:
+    """Closed form for roll, pitch, pitch: the quadruped's leg, its thigh beside the hip's axis.
+
+    The hip's roll turns the plane in which thigh and calf bend about the leg's x axis, at the distance of the
+    hip's lateral link. The foot is taken to be on the lower side of the hip; the knee bends as at rest.
+    """
+
+    def __init__(self, leg: Leg) -> None:
+        hip, thigh, calf = leg.joints
+        self._mount = leg.mount
+        self._cos, self._sin = math.cos(leg.yaw), math.sin(leg.yaw)
+        self._offset, self._thigh, self._calf = hip.link.y, -thigh.link.z, -calf.link.z
+        self._knee_back = 1.0 if calf.rest < 0.0 else -1.0
+        self._triangle = _Triangle(self._thigh, self._calf)
+
+    @staticmethod
+    def fits(leg: Leg) -> bool:
+        """Tell whether this solver takes the leg."""
+        if tuple(joint.axis for joint in leg.joints) != (Axis.ROLL, Axis.PITCH, Axis.PITCH):
+            return False
+        hip, *shanks = leg.joints
+        hanging = all(joint.link.z < 0.0 and joint.link.x == joint.link.y == 0.0 for joint in shanks)
+        return hip.link.x == hip.link.z == 0.0 and hanging and shanks[-1].rest != 0.0
+
+    def foot(self, angles: Sequence[float]) -> Vec3:
+        """Return the foot's centre in the base frame, m."""
+        hip, thigh, calf = angles
+        shin = thigh + calf
+        ahead = -self._thigh * math.sin(thigh) - self._calf * math.sin(shin)
+        drop = self._thigh * math.cos(thigh) + self._calf * math.cos(shin)
+        side = self._offset * math.cos(hip) + drop * math.sin(hip)
+        mount, c, s = self._mount, self._cos, self._sin
+        return Vec3(
+            mount.x + c * ahead - s * side, mount.y + s * ahead + c * side,
+            mount.z + self._offset * math.sin(hip) - drop * math.cos(hip))
+
+    def solve(self, x: float, y: float, z: float) -> Solution:
+        """Return the angles for a foot centre at (x, y, z) m in the base frame."""
+        mount = self._mount
+        x -= mount.x
+        y -= mount.y
+        z -= mount.z
+        ahead = self._cos * x + self._sin * y
+        side = self._cos * y - self._sin * x
+        square = side * side + z * z - self._offset * self._offset
+        drop = math.sqrt(max(square, 0.0))
+        hip = math.atan2(z, side) - math.atan2(-drop, self._offset)
+        shoulder, bend, miss = self._triangle.solve(math.sqrt(ahead * ahead + drop * drop))
+        if square < 0.0:
+            # Nearer to the hip's axis than the leg's plane ever comes.
+            miss = math.hypot(miss, abs(self._offset) - math.hypot(side, z))
+        back = self._knee_back
+        thigh = math.atan2(-ahead, drop) + back * shoulder
+        return Solution((math.remainder(hip, math.tau), thigh, -back * bend), miss)
+
+
+_SOLVERS: tuple[type[CoxaFemurTibia] | type[HipAbduction], ...] = (CoxaFemurTibia, HipAbduction)
 
 
 def resting_angles(model: RobotModel, height: float) -> list[float]:
@@ -144,7 +212,10 @@ def solver_for(leg: Leg) -> LegSolver:
     Raises:
         ConfigError: there is none for its chain.
     """
-    if CoxaFemurTibia.fits(leg):
-        return CoxaFemurTibia(leg)
+    for solver in _SOLVERS:
+        if solver.fits(leg):
+            return solver(leg)
     axes = ", ".join(joint.axis.name.lower() for joint in leg.joints)
-    raise ConfigError(f"leg {leg.name}: no inverse kinematics for the chain ({axes}); known: yaw, pitch, pitch")
+    raise ConfigError(
+        f"leg {leg.name}: no inverse kinematics for the chain ({axes}); known: yaw, pitch, pitch with links along x; "
+        "roll, pitch, pitch with links along y, -z, -z and a knee bent at rest")

@@ -1,7 +1,7 @@
 """The one gate before the servos. Nothing bypasses it, and what it cuts is counted.
 
 Each goal is held inside the joint's position range, below a speed and below an acceleration. A goal that is
-not a number is refused: the joint keeps its last one.
+not a number is refused: the joint brakes and stays.
 """
 
 import math

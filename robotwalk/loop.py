@@ -22,6 +22,7 @@ from robotwalk.timing import Histogram
 from robotwalk.types import STILL, Command, JointState
 
 _NS = 1_000_000_000
+_HEARTBEAT = 500_000_000  # ns without a sign of the driver before the robot slows to a stand
 
 
 class Tick(NamedTuple):
@@ -36,7 +37,7 @@ class Tick(NamedTuple):
 
 
 class Loop:
-    """Runs the cycle of one robot. `command` may be changed between ticks."""
+    """Runs the cycle of one robot. The driver changes `command` between ticks, and shows by `beat` that it lives."""
 
     def __init__(
         self,
@@ -52,7 +53,8 @@ class Loop:
         record: Callable[[Row], None] | None = None,
     ) -> None:
         self.rate_hz = rate_hz
-        self.command = Command()
+        self._command = Command()
+        self._beaten_at = 0
         self.supervisor = supervisor
         self.gate = gate
         self._clock = clock
@@ -61,13 +63,27 @@ class Loop:
         self._odometry = odometry
         self._feedforward = feedforward
         self._record = record
-        self._period = _NS // rate_hz
+        self.period = _NS // rate_hz
         self._grid = Grid(rate_hz, after=clock.now())
         self._goals: tuple[float, ...] = ()
         self._wanted = Wanted((), STILL, 1.0, (), 0.0, False, False)
         self.wake, self.exchange, self.compute = Histogram(), Histogram(), Histogram()
         self._digest = hashlib.sha256()
         self._packing = struct.Struct(f"<{2 * len(bus.joints)}d")
+
+    @property
+    def command(self) -> Command:
+        """What the robot is to do. It lasts for half a second past the last `beat`; then the robot stands still."""
+        return self._command
+
+    @command.setter
+    def command(self, command: Command) -> None:
+        self._command = command
+        self.beat()
+
+    def beat(self) -> None:
+        """Show that whoever drives the robot is still there."""
+        self._beaten_at = self._clock.now()
 
     @property
     def missed(self) -> int:
@@ -93,7 +109,7 @@ class Loop:
         deadline = self._grid.deadline
         clock.wait((), deadline)
         woke = clock.now()
-        joints = self._bus.exchange(self._goals, self._period)
+        joints = self._bus.exchange(self._goals, self.period)
         read = clock.now()
         started = time.perf_counter_ns()
         tick = self._think(deadline, joints, dt)
@@ -114,7 +130,10 @@ class Loop:
         estimate = self._odometry.step(joints, self._wanted.planted, self._wanted.twist, dt)
         oldest = max(range(len(joints.age)), key=joints.age.__getitem__)
         state = self.supervisor.step((self._bus.joints[oldest], joints.age[oldest]), self._wanted.seated)
-        wanted = self._controller.step(state, self.command, estimate, dt)
+        command = self._command
+        if now - self._beaten_at > _HEARTBEAT:
+            command = command._replace(twist=STILL, heading=None)
+        wanted = self._controller.step(state, command, estimate, dt)
         goals = self.gate.step(self._feedforward.step(wanted.angles, dt), dt)
         self._wanted, self._goals = wanted, goals
         return Tick(now, state, joints, estimate, wanted, goals)

@@ -54,11 +54,15 @@ class ServoBus(Protocol):
         """The joints' names; every sequence below is in this order."""
         ...
 
-    def arm(self) -> JointState:
+    def arm(self, period: int, torque: float = 1.0) -> JointState:
         """Find every servo, let it hold where it is, switch torque on.
 
+        Args:
+            period: of the cycle that shall follow, ns.
+            torque: share of the largest output that the servos may use.
+
         Raises:
-            BusError: a servo is missing or is another model. Torque is then off.
+            BusError: a servo is missing or is another model, or the bus is too slow. Torque is then off.
         """
         ...
 

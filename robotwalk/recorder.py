@@ -4,6 +4,7 @@ The loop only puts a row into a queue, about a microsecond's work. A thread of i
 messages and writes them. Rows are never dropped; a slow disk costs memory, not time.
 """
 
+import contextlib
 import json
 import queue
 import threading
@@ -55,6 +56,7 @@ class Recorder:
             self._file = path.open("wb")
         except OSError as error:
             raise UsageError(f"cannot write the log {path}: {error.strerror}") from error
+        self._failure: str | None = None
         self._joints = list(joints)
         self._writer = Writer(self._file)
         self._writer.start(library="robotwalk")
@@ -76,19 +78,26 @@ class Recorder:
         """Take an event, at `time` ns."""
         self._queue.put((time, event))
 
-    def close(self) -> None:
-        """Write out what is left and close the file."""
+    def close(self) -> str | None:
+        """Write out what is left and close the file; return what went wrong with it, if anything did."""
         self._queue.put(None)
         self._thread.join()
-        self._writer.finish()
-        self._file.close()
+        with contextlib.suppress(OSError):
+            self._writer.finish()
+            self._file.close()
+        return self._failure
 
     def _drain(self) -> None:
         while (item := self._queue.get()) is not None:
-            if isinstance(item, Row):
-                self._write_row(item)
-            else:
-                self._write("events", item[0], item[1]._asdict())
+            if self._failure is not None:
+                continue
+            try:
+                if isinstance(item, Row):
+                    self._write_row(item)
+                else:
+                    self._write("events", item[0], item[1]._asdict())
+            except OSError as error:  # a full disk is no reason to stop the robot
+                self._failure = f"the log is incomplete: {error.strerror}"
 
     def _write_row(self, row: Row) -> None:
         command = row.command._asdict()

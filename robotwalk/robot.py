@@ -36,8 +36,10 @@ class Robot:
     """
 
     def __init__(
-        self, model: RobotModel, gaits: Sequence[str], loop: Loop, bus: ServoBus, recorder: Recorder | None = None
+        self, model: RobotModel, gaits: Sequence[str], loop: Loop, bus: ServoBus, *,
+        recorder: Recorder | None = None, torque: float = 1.0,
     ) -> None:
+        """Join the parts; `torque` is the share of their largest output that the servos may use."""
         self.model = model
         self.gaits = tuple(gaits)
         self.loop = loop
@@ -45,6 +47,7 @@ class Robot:
         self.observers: list[Callable[[Tick], None]] = []
         self._bus = bus
         self._recorder = recorder
+        self._torque = torque
         self._interrupts = Interrupts()
         self._seconds = 0.0
         self._last: Tick | None = None
@@ -164,8 +167,10 @@ class Robot:
             self._interrupts.restore()
             if not self._frozen:
                 self._bus.close()
-            if self._recorder is not None:
-                self._recorder.close()
+            failure = self._recorder.close() if self._recorder is not None else None
+            self._recorder = None
+            if failure is not None:
+                self.note("log", failure)
 
     def _request(self, request: Request) -> None:
         self.loop.supervisor.request(request)
@@ -174,7 +179,7 @@ class Robot:
     def _arm(self) -> None:
         self._request(Request.ARM)
         try:
-            self.loop.begin(self._bus.arm())
+            self.loop.begin(self._bus.arm(self.loop.period, self._torque))
         except BaseException:
             self._disarm()
             raise
@@ -196,6 +201,7 @@ class Robot:
     ) -> None:
         """Turn the cycle for some time or until something is so; `what` names a motion that must end by then."""
         for _ in range(round(seconds * self.loop.rate_hz)):
+            self.loop.beat()
             tick = self.loop.tick()
             self._last = tick
             self._seconds += 1.0 / self.loop.rate_hz

@@ -16,8 +16,8 @@ from robotwalk.types import STILL, Pose, Twist, Vec3
 
 _AT_REST = 1.5e-3  # m; a foot this near its rest position need not step
 _LATEST_LIFTOFF = 0.6  # of a sector; a foot held back for longer sits this swing out
-_LATEST_RETARGET = 0.8  # of a swing
-_STRETCH = 0.6  # of its largest stride that a foot may be from rest; half in a steady gait
+_LATEST_RETARGET = 0.5  # of a swing
+_STRETCH = 0.55  # of its largest stride that a foot may be from rest; half in a steady gait
 
 
 class Footfalls(NamedTuple):
@@ -25,6 +25,7 @@ class Footfalls(NamedTuple):
 
     centres: tuple[Vec3, ...]  # in odom, m
     planted: tuple[bool, ...]
+    footprints: tuple[tuple[float, float], ...]  # in odom, m: where each foot stands, or will be set down
 
 
 class _Foot:
@@ -33,7 +34,7 @@ class _Foot:
     def __init__(self, leg: Leg) -> None:
         self.leg = leg
         self.x = self.y = Motion(0.0, 0.0, 0.0)
-        self.target = (0.0, 0.0)
+        self.target = (0.0, 0.0)  # where it stands, or is being carried to
         self.lift = 0.0
         self.sector: Sector | None = None  # of the swing under way
         self.share = 0.0  # turns that this swing takes
@@ -42,6 +43,7 @@ class _Foot:
 
     def plant(self, x: float, y: float) -> None:
         self.x, self.y = Motion(x, 0.0, 0.0), Motion(y, 0.0, 0.0)
+        self.target = (x, y)
         self.lift = 0.0
         self.sector = None
 
@@ -73,8 +75,12 @@ class Stepping:
         for foot in self._feet:
             foot.plant(*placed(course, foot.leg.rest_foot))
 
-    def change_gait(self, clock: GaitClock, gait: Gait, course: Pose, twist: Twist) -> None:
-        """Go on with another gait, from the phase at which the standing feet can wait best for their turns."""
+    def change_gait(self, clock: GaitClock, gait: Gait, course: Pose, twist: Twist) -> float:
+        """Go on with another gait as soon as the standing feet can wait for their turns in it.
+
+        Returns:
+            The share of the twist, 0 to 1, at which they could; at 1 the change is made.
+        """
         candidates = sorted({*gait.starts, *(index / 12.0 for index in range(12))})
 
         def longest_stretch(phase: float) -> float:
@@ -86,10 +92,11 @@ class Stepping:
                     stretch = max(stretch, math.hypot(dx - ux * wait, dy - uy * wait))
             return stretch
 
-        clock.change(gait, min(candidates, key=longest_stretch))
-        for index, foot in enumerate(self._feet):
-            if foot.sector is not None:
-                foot.sector = gait.feet[index][0]
+        phase = min(candidates, key=longest_stretch)
+        share = self._bearable(gait, phase, clock.period, course, twist)
+        if share >= 1.0:
+            clock.change(gait, phase)
+        return share
 
     def bearable(self, clock: GaitClock, course: Pose, twist: Twist) -> float:
         """Return the share of a twist, 0 to 1, at which no standing foot is over-stretched before its turn.
@@ -97,11 +104,15 @@ class Stepping:
         In a steady gait that is 1. It is less while a foot waits longer than its stride allows: after a change
         of gait, or when the body turns back on its way.
         """
+        return self._bearable(clock.gait, clock.phase, clock.period, course, twist)
+
+    def _bearable(self, gait: Gait, phase: float, period: float, course: Pose, twist: Twist) -> float:
         share = 1.0
         for index, foot in enumerate(self._feet):
             if foot.sector is not None:
                 continue
-            wait = clock.gait.until_lift_off(index, clock.phase) * clock.period
+            due = self._due(foot, index, gait, phase) is not None
+            wait = 0.0 if due else gait.until_lift_off(index, phase) * period
             (dx, dy), (ux, uy) = foot.offset(course), _passing(foot.leg, twist)
             limit = _STRETCH * foot.leg.max_stride
             wx, wy = ux * wait, uy * wait
@@ -113,20 +124,43 @@ class Stepping:
                 share = min(share, max((along + math.sqrt(inside)) / way, 0.0) if inside > 0.0 else 0.0)
         return share
 
+    def until_lift_off(self, clock: GaitClock) -> float:
+        """Return the time until a foot's turn to lift off, s; 0 if one is due."""
+        turns = 1.0
+        for index, foot in enumerate(self._feet):
+            if foot.sector is None:
+                if self._due(foot, index, clock.gait, clock.phase) is not None:
+                    return 0.0
+                turns = min(turns, clock.gait.until_lift_off(index, clock.phase))
+        return turns * clock.period
+
     def settled(self, course: Pose) -> bool:
         """Tell whether all feet stand at rest below the body."""
         return all(foot.sector is None and foot.displacement(course) <= _AT_REST for foot in self._feet)
 
-    def step(self, clock: GaitClock, course: Pose, twist: Twist, dt: float) -> Footfalls:
-        """Advance all feet by `dt` s, the body being at `course` and moving with `twist`."""
-        in_air = sum(foot.sector is not None for foot in self._feet)
+    def step(
+        self, clock: GaitClock, course: Pose, twist: Twist, dt: float, *, hold: bool = False
+    ) -> Footfalls:
+        """Advance all feet by `dt` s, the body being at `course` and moving with `twist`; on `hold` none lifts off."""
         for index, foot in enumerate(self._feet):
-            if foot.sector is None:
-                in_air += self._maybe_lift_off(foot, index, clock, course, twist, in_air)
             if foot.sector is not None:
                 self._swing(foot, foot.sector, clock.period, course, twist, dt)
                 if foot.sector is None:
                     foot.spent = clock.gait.sector_at(index, clock.phase)
+        # Landings come first: a foot that waited for one lifts off in the same tick.
+        in_air = {index for index, foot in enumerate(self._feet) if foot.sector is not None}
+        for index, foot in enumerate(self._feet):
+            if foot.sector is not None:
+                continue
+            if foot.spent is not clock.gait.sector_at(index, clock.phase):
+                foot.spent = None
+            sector = self._due(foot, index, clock.gait, clock.phase)
+            idle = twist == STILL and foot.displacement(course) <= _AT_REST
+            if sector is None or idle or hold or not clock.gait.lifts_together(in_air | {index}):
+                continue
+            in_air.add(index)
+            foot.lift_off(sector, (1.0 - sector.progress(clock.phase)) * sector.length)
+            self._swing(foot, sector, clock.period, course, twist, dt)
         return self.footfalls()
 
     def footfalls(self) -> Footfalls:
@@ -135,39 +169,36 @@ class Stepping:
         return Footfalls(
             tuple(Vec3(foot.x.position, foot.y.position, ground + foot.lift) for foot in self._feet),
             tuple(foot.sector is None for foot in self._feet),
+            tuple(foot.target for foot in self._feet),
         )
 
-    def _maybe_lift_off(
-        self, foot: _Foot, index: int, clock: GaitClock, course: Pose, twist: Twist, in_air: int
-    ) -> bool:
-        sector = clock.gait.sector_at(index, clock.phase)
-        if sector is not foot.spent:
-            foot.spent = None
-        if sector is None or foot.spent is not None or in_air >= clock.gait.most_swinging:
-            return False
-        if twist == STILL and foot.displacement(course) <= _AT_REST:
-            return False
-        progress = sector.progress(clock.phase)
-        if progress > _LATEST_LIFTOFF:
-            return False
-        foot.lift_off(sector, max((1.0 - progress) * sector.length, self._min_swing / clock.period))
-        return True
+    def _due(self, foot: _Foot, index: int, gait: Gait, phase: float) -> Sector | None:
+        """Return the sector in which a standing foot may lift off at a phase, if it is in one not yet used."""
+        sector = gait.sector_at(index, phase)
+        if sector is None or sector is foot.spent or sector.progress(phase) > _LATEST_LIFTOFF:
+            return None
+        return sector
 
     def _swing(
         self, foot: _Foot, sector: Sector, period: float, course: Pose, twist: Twist, dt: float
     ) -> None:
-        remaining = (1.0 - foot.progress) * foot.share * period
+        seconds = max(foot.share * period, self._min_swing)
+        remaining = (1.0 - foot.progress) * seconds
         if foot.progress <= _LATEST_RETARGET:
-            ahead = advanced(course, twist, remaining + 0.5 * sector.stance * period)
-            foot.target = placed(ahead, foot.leg.rest_foot)
+            foot.target = footprint(foot.leg, course, twist, remaining - dt + 0.5 * sector.stance * period)
         x, y = foot.target
         foot.x = least_jerk(foot.x, x, remaining, dt)
         foot.y = least_jerk(foot.y, y, remaining, dt)
-        foot.progress += dt / (foot.share * period)
+        foot.progress += dt / seconds
         if foot.progress >= 1.0:
             foot.plant(x, y)
         else:
             foot.lift = foot.leg.lift * self._path(way_made(foot.progress))
+
+
+def footprint(leg: Leg, course: Pose, twist: Twist, seconds: float) -> tuple[float, float]:
+    """Return where a foot belongs whose coming stance has its middle in `seconds`, in odom, m."""
+    return placed(advanced(course, twist, seconds), leg.rest_foot)
 
 
 def _passing(leg: Leg, twist: Twist) -> tuple[float, float]:

@@ -4,8 +4,8 @@
     READY  torque on, holding its place    --stand--> STAND,  --disarm--> STOP
     STAND  rising to its feet, or standing --walk-->  WALK,   --sit-->    SIT
     WALK   stepping                        --halt-->  STAND,  --sit-->    SIT
-    SIT    stepping to rest, lowering      --seated-> READY
-    FAULT  as SIT, for a reason            --seated-> STOP, and stays there until cleared
+    SIT    stepping to rest, lowering      --seated-> READY,  --stand--> STAND
+    FAULT  as SIT, for a reason            --seated-> STOP, and stays there
 
 A fault takes every state with torque on to FAULT; from STOP nothing can fault.
 """

@@ -43,7 +43,7 @@ class Histogram:
         self._counts[min(bisect_right(self._EDGES, us), _BUCKETS) - 1 if us > 0.0 else 0] += 1
 
     def percentiles(self) -> Percentiles:
-        """Return upper bounds of the percentiles, right to a bucket's 2 %; all 0 if nothing was counted."""
+        """Return upper bounds of the percentiles, right to a bucket's 2 % up to 11 s; all 0 if nothing was counted."""
         return Percentiles(self._quantile(0.5), self._quantile(0.99), self._quantile(0.999), round(self._max, 1))
 
     def _quantile(self, share: float) -> float:

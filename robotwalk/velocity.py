@@ -41,13 +41,18 @@ class VelocityShaper:
         """The twist in force."""
         return self._twist
 
-    def step(self, wanted: Twist, gait: Gait, dt: float, hold_back: float = 1.0) -> Shaped:
-        """Advance by `dt` s towards `wanted`, or a share of it while the feet cannot follow."""
+    def feasible(self, wanted: Twist, gait: Gait) -> Twist:
+        """Return what robot and gait can do of a twist."""
         # A command lasts for many ticks.
         if self._asked is None or self._asked[0] is not wanted or self._asked[1] is not gait:
             self._asked = wanted, gait
             self._feasible = feasible(wanted, self._limits, gait)
-        aim, scale = self._feasible
+        return self._feasible[0]
+
+    def step(self, wanted: Twist, gait: Gait, dt: float, hold_back: float = 1.0) -> Shaped:
+        """Advance by `dt` s towards `wanted`, or a share of it while the feet cannot follow."""
+        aim = self.feasible(wanted, gait)
+        scale = self._feasible[1]
         aim = Twist(aim.vx * hold_back, aim.vy * hold_back, aim.wz * hold_back)
         now = self._twist
         dx, dy, dw = aim.vx - now.vx, aim.vy - now.vy, aim.wz - now.wz

@@ -5,20 +5,18 @@
 
 The length counts from the instruction on. From there to the parameters' end, FF FF FD is followed by an extra
 FD (stuffing). The CRC covers the stuffed frame. Source: ROBOTIS e-Manual, Protocol 2.0.
-
-Not modelled: collisions. Of servos that share an id all obey, and the first one's answer is heard unharmed.
 """
 
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from enum import IntEnum
-from typing import NamedTuple
 
 from fastcrc import crc16
 
-from sim_backend.control_table import ErrorNumber, StatusError
-from sim_backend.fake_servo import FakeServo
+from sim_backend.device import InstructionParser, Packet, Reply, answers_in_slots, answers_in_turn, by_id, byte_time
+from sim_backend.dynamixel_firmware import DynamixelServo
+from sim_backend.dynamixel_table import ErrorNumber, StatusError
 
 BROADCAST = 0xFE
 _HEADER = b"\xff\xff\xfd\x00"  # the reserved byte tells it from stuffed data
@@ -28,11 +26,7 @@ _PROLOGUE = 7  # bytes up to the length's end
 _INVALID_IDS = (0xFD, 0xFF)
 _LENGTHS = range(3, 1025)  # beyond: a false header in noise
 _LARGEST_FRAME = 0xFFFF  # what the two bytes of a length can say
-_GAP_NS = 1_500_000  # a longer pause inside a frame drops it (e-Manual)
-_PING_SLOT_NS = 3_000_000  # per id, after a broadcast ping: what ROBOTIS's libraries allow for
 _RANGE = struct.Struct("<HH")  # address, length
-_BITS_PER_BYTE = 10  # 8N1
-_NS = 1_000_000_000
 
 
 class Instruction(IntEnum):
@@ -61,37 +55,8 @@ _ANSWERED_FROM: dict[int, int] = {  # the others from ALL
     Instruction.PING: StatusReturnLevel.PING, Instruction.READ: StatusReturnLevel.READ}
 
 
-class Reply(NamedTuple):
-    """A burst of bytes from the bus."""
-
-    delay_ns: int  # after the end of the reply before it, or of the instruction
-    data: bytes
-
-
-class Packet(NamedTuple):
-    """An instruction as received."""
-
-    id: int
-    instruction: int
-    parameters: bytes
-    intact: bool  # whether the CRC is right
-
-
-class InstructionParser:
-    """Finds frames in what arrives on the wire, piece by piece."""
-
-    def __init__(self) -> None:
-        self._buffer = bytearray()
-        self._last_byte_at = 0
-
-    def feed(self, data: bytes, now: int, byte_ns: int) -> Iterator[Packet]:
-        """Take bytes, without pauses between them, the last of which arrives at `now`; yield whole frames."""
-        if now - len(data) * byte_ns - self._last_byte_at > _GAP_NS:
-            self._buffer.clear()
-        self._last_byte_at = now
-        self._buffer += data
-        while (packet := self._next()) is not None:
-            yield packet
+class DynamixelParser(InstructionParser):
+    """Finds frames of Protocol 2.0."""
 
     def _next(self) -> Packet | None:
         buffer = self._buffer
@@ -127,15 +92,15 @@ class InstructionParser:
 
 
 class DynamixelDevice:
-    """All servos of one bus."""
+    """All servos of one bus; a `device.Device`."""
 
-    def __init__(self, servos: Sequence[FakeServo]) -> None:
+    def __init__(self, servos: Sequence[DynamixelServo]) -> None:
         self._servos = tuple(servos)
-        self._parser = InstructionParser()
+        self._parser = DynamixelParser()
 
     def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
         """Take bytes, the last of which arrives at `now` ns; return what is answered, in order."""
-        byte_ns = _BITS_PER_BYTE * _NS // baud
+        byte_ns = byte_time(baud)
         replies: list[Reply] = []
         for packet in self._parser.feed(data, now, byte_ns):
             listening = [servo for servo in self._servos if servo.listens(now, baud)]
@@ -148,23 +113,23 @@ class DynamixelDevice:
         return replies
 
 
-def _report_bad_crc(packet: Packet, listening: list[FakeServo]) -> list[Reply]:
+def _report_bad_crc(packet: Packet, listening: list[DynamixelServo]) -> list[Reply]:
     for servo in listening:
         if servo.id == packet.id and servo.status_return_level == StatusReturnLevel.ALL:
             return [Reply(servo.return_delay_ns, _status(servo.id, ErrorNumber.CRC | servo.alert))]
     return []
 
 
-def _answer(packet: Packet, listening: list[FakeServo], now: int, byte_ns: int) -> list[Reply]:
+def _answer(packet: Packet, listening: list[DynamixelServo], now: int, byte_ns: int) -> list[Reply]:
     if packet.id != BROADCAST:
         return _answer_one(packet, listening, now)
     match packet.instruction:
         case Instruction.PING:
             return _broadcast_ping(listening, byte_ns)
         case Instruction.SYNC_READ:
-            return _sync_read(packet.parameters, _by_id(listening), now)
+            return _sync_read(packet.parameters, listening, now)
         case Instruction.FAST_SYNC_READ:
-            return _fast_sync_read(packet.parameters, _by_id(listening), now)
+            return _fast_sync_read(packet.parameters, by_id(listening), now)
         case Instruction.SYNC_WRITE:
             _sync_write(packet.parameters, listening)
         case _:
@@ -173,11 +138,7 @@ def _answer(packet: Packet, listening: list[FakeServo], now: int, byte_ns: int) 
     return []
 
 
-def _by_id(servos: list[FakeServo]) -> dict[int, FakeServo]:
-    return {servo.id: servo for servo in reversed(servos)}  # the first of an id stays
-
-
-def _answer_one(packet: Packet, listening: list[FakeServo], now: int) -> list[Reply]:
+def _answer_one(packet: Packet, listening: list[DynamixelServo], now: int) -> list[Reply]:
     """Let the addressed servos obey. One that goes by its secondary id does so in silence."""
     replies: list[Reply] = []
     for servo in listening:
@@ -192,7 +153,7 @@ def _answer_one(packet: Packet, listening: list[FakeServo], now: int) -> list[Re
     return replies
 
 
-def _execute(servo: FakeServo, instruction: int, parameters: bytes, now: int) -> tuple[int, bytes]:
+def _execute(servo: DynamixelServo, instruction: int, parameters: bytes, now: int) -> tuple[int, bytes]:
     """Return the error number, 0 if none, and the data of the answer."""
     try:
         return 0, _perform(servo, instruction, parameters, now)
@@ -200,7 +161,7 @@ def _execute(servo: FakeServo, instruction: int, parameters: bytes, now: int) ->
         return refusal.number, b""
 
 
-def _perform(servo: FakeServo, instruction: int, parameters: bytes, now: int) -> bytes:
+def _perform(servo: DynamixelServo, instruction: int, parameters: bytes, now: int) -> bytes:
     match instruction:
         case Instruction.PING:
             return servo.identify()
@@ -223,36 +184,29 @@ def _perform(servo: FakeServo, instruction: int, parameters: bytes, now: int) ->
     return b""
 
 
-def _broadcast_ping(listening: list[FakeServo], byte_ns: int) -> list[Reply]:
-    """Every servo answers in the time slot of its id."""
-    replies = []
-    free_at = 0  # after the instruction's end, ns
-    for _, servo in sorted(_by_id(listening).items()):
-        starts = max(free_at, servo.id * _PING_SLOT_NS + servo.return_delay_ns)
-        frame = _status(servo.id, servo.alert, servo.identify())
-        replies.append(Reply(starts - free_at, frame))
-        free_at = starts + len(frame) * byte_ns
-    return replies
+def _broadcast_ping(listening: list[DynamixelServo], byte_ns: int) -> list[Reply]:
+    answers = {
+        servo_id: Reply(servo.return_delay_ns, _status(servo_id, servo.alert, servo.identify()))
+        for servo_id, servo in by_id(listening).items()
+    }
+    return answers_in_slots(answers, byte_ns)
 
 
-def _sync_read(parameters: bytes, servos: dict[int, FakeServo], now: int) -> list[Reply]:
-    """Each servo answers behind the one listed before it."""
-    replies: list[Reply] = []
+def _sync_read(parameters: bytes, listening: list[DynamixelServo], now: int) -> list[Reply]:
     if len(parameters) <= _RANGE.size:
-        return replies
-    what = parameters[:_RANGE.size]
-    broken = False  # whether a listed servo stayed silent
-    for servo_id in parameters[_RANGE.size:]:
-        servo = servos.get(servo_id)
-        if servo is None or servo.status_return_level < StatusReturnLevel.READ:
-            broken = True
-        elif not broken or servo.later_ids_answer:
-            number, data = _execute(servo, Instruction.READ, what, now)
-            replies.append(Reply(servo.return_delay_ns, _status(servo_id, number | servo.alert, data)))
-    return replies
+        return []
+    what, ids = parameters[:_RANGE.size], parameters[_RANGE.size:]
+
+    def answer(servo: DynamixelServo) -> bytes | None:
+        if servo.status_return_level < StatusReturnLevel.READ:
+            return None
+        number, data = _execute(servo, Instruction.READ, what, now)
+        return _status(servo.id, number | servo.alert, data)
+
+    return answers_in_turn(ids, by_id(listening), answer)
 
 
-def _fast_sync_read(parameters: bytes, servos: dict[int, FakeServo], now: int) -> list[Reply]:
+def _fast_sync_read(parameters: bytes, servos: dict[int, DynamixelServo], now: int) -> list[Reply]:
     """All servos build one frame together, without stuffing; it stops where one of them is silent.
 
     ... 55 | error, id, data, crc | error, id, data, crc | ...   Each CRC covers all bytes before it.
@@ -280,7 +234,7 @@ def _fast_sync_read(parameters: bytes, servos: dict[int, FakeServo], now: int) -
     return [Reply(servos[ids[0]].return_delay_ns, b"".join(pieces))]
 
 
-def _sync_write(parameters: bytes, listening: list[FakeServo]) -> None:
+def _sync_write(parameters: bytes, listening: list[DynamixelServo]) -> None:
     """Write to every listed servo. Nobody answers, so that a refusal goes unseen."""
     if len(parameters) <= _RANGE.size:
         return

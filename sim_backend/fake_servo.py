@@ -1,282 +1,97 @@
-"""The firmware of one servo: what its registers do when they are written, and its protections.
+"""What the firmware of every brand of servo does: it listens, moves its motor, starts again."""
 
-Motion is `ServoPhysics`'s; this class tells it of new settings and goals. Not modelled: blinking LEDs, backup
-and restore of the control table, servos without power.
-"""
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
 
-import itertools
-import struct
+from hal.register_map import Memory
+from sim_backend.control_table import ControlTable
+from sim_backend.servo_physics import ServoPhysics
 
-from hal.register_map import DynamixelFirmware, Memory, ServoModel
-from sim_backend.control_table import Assignment, ControlTable, ErrorNumber, OperatingMode, StatusError
-from sim_backend.servo_physics import ServoPhysics, present_registers
-
-ALERT = 0x80  # in the error byte of every status while a hardware error lasts
-INPUT_VOLTAGE, OVERHEATING, OVERLOAD = 0x01, 0x04, 0x20  # bits of hardware_error_status and of shutdown
-
-_TORQUE_ON_BY_GOAL = 0x08  # bit of drive_mode
-_TORQUE_ON_AT_START = 0x01  # bit of startup_configuration
-_NO_SECONDARY_ID = 0xFF
-_WATCHDOG_TRIPPED = 0xFF
-_GOALS = ("goal_position", "goal_velocity", "goal_pwm")
-_SET_BY_MODE = (  # back to default when the operating mode changes
-    "velocity_i_gain", "velocity_p_gain", "position_d_gain", "position_i_gain", "position_p_gain",
-    "feedforward_2nd_gain", "feedforward_1st_gain", "profile_acceleration", "profile_velocity")
 _NS = 1_000_000_000
-_TICK_PERIOD = 1 << 15  # realtime_tick, ms
 
 
-class FakeServo:
-    """One servo. It runs from the moment it is made.
+class FakeServo(ABC):
+    """One servo of `physics`. It runs from the moment it is made.
 
     Attributes:
-        id, secondary_id: what it answers to, and what it also obeys, in silence.
+        table: its registers.
+        id: what it answers to.
         return_delay_ns: from the end of an instruction to the answer.
-        status_return_level: what it answers at all.
-        alert: `ALERT` while a hardware error lasts, else 0.
-        fast_sync_read: whether its firmware has that instruction.
         later_ids_answer: whether it answers a sync read behind a silent servo.
     """
 
-    def __init__(self, physics: ServoPhysics, index: int, **factory_settings: int) -> None:
-        """Make the servo of one entry of `physics`, new but for some registers of the EEPROM."""
+    def __init__(self, physics: ServoPhysics, index: int, table: ControlTable) -> None:
         self.model = physics.models[index]
-        self.table = ControlTable(self.model)
-        if not isinstance(self.model.firmware, DynamixelFirmware):
-            raise ValueError(f"{self.model.name} is not a Dynamixel")  # noqa: TRY004 (a wrong model, not a wrong type)
-        self._firmware = self.model.firmware
-        self.table["firmware_version"] = self._firmware.version
-        for name, value in factory_settings.items():
-            if self.model[name].memory is not Memory.EEPROM:
-                raise ValueError(f"{name} is not kept without power")
-            self.table[name] = value
-        self.later_ids_answer = self._firmware.later_ids_answer
+        self.later_ids_answer = self.model.firmware.later_ids_answer
+        self.table = table
         self._physics, self._index = physics, index
         self._delay_unit_ns = round(self.model["return_delay_time"].scale * 1e3)  # from us
-        self._watchdog_unit_ns = round(self.model["bus_watchdog"].scale * 1e6)  # from ms
-        self._clock = self.model["realtime_tick"]
-        self._registered: tuple[int, bytes] | None = None
+        self._turned = 0  # ticks, whole turns taken off the position
         self._sensed: list[int] | None = None
-        self._sensors, self._sensors_at = _sensor_layout(self.model)
         self._wakes_at = 0
         self._awake = False
+
+    def _set_up(self, settings: Mapping[str, int]) -> None:
+        """Give some registers of the EEPROM other values than the factory's."""
+        for name, value in settings.items():
+            if self.model[name].memory is not Memory.EEPROM:
+                raise ValueError(f"{name} is not kept without power")
+            self.table.assign(self.model[name], value)
+
+    def _run(self) -> None:
+        """Come to power for the first time."""
         self._reset()
-        physics.attach(index, self._supervise)
+        self._physics.attach(self._index, self._supervise)
+        self._awake = True
         self._start(0)
+
+    @abstractmethod
+    def _reset(self) -> None:
+        """Bring the registers to what they are at power-up, and let go of the shaft."""
+
+    @abstractmethod
+    def _start(self, now: int) -> None:
+        """Begin to work."""
+
+    @abstractmethod
+    def _supervise(self, now: int, duty: float, current: float, supply_v: float, temperature_c: float) -> None:
+        """Look after the protections."""
+
+    @abstractmethod
+    def _show(self, present: list[int]) -> None:
+        """Bring the fields of `servo_physics.Present` into the table."""
 
     def listens(self, now: int, baud: int) -> bool:
         """Whether bytes at `baud` reach the firmware at `now` ns."""
         return baud == self._baud and self._is_awake(now)
 
-    def hear(self, now: int) -> None:
-        """Note that an instruction, to whomever, came over the bus."""
-        self._watch_bus(now)
-        self._heard_at = now
-
-    def identify(self) -> bytes:
-        """Return what a ping tells: model number and firmware version."""
-        return struct.pack("<HB", self.table["model_number"], self.table["firmware_version"])
-
-    def read(self, address: int, length: int, now: int) -> bytes:
-        """Return bytes of the control table.
-
-        Raises:
-            StatusError: they are not there.
-        """
-        self._sense()
-        if address < self._clock.end and self._clock.address < address + length:
-            self.table[self._clock.name] = (now - self._started_at) // 1_000_000 % _TICK_PERIOD
-        return self.table.read(address, length)
-
-    def write(self, address: int, data: bytes) -> None:
-        """Write bytes to the control table, and act on them.
-
-        Raises:
-            StatusError: refused; nothing is written.
-        """
-        assignments = self._check(address, data)
-        self.table.store(assignments)
-        for register, value in assignments:
-            self._react(register.name, value)
-
-    def register_write(self, address: int, data: bytes) -> None:
-        """Keep a write for `action`.
-
-        Raises:
-            StatusError: refused; an earlier one stays.
-        """
-        self._check(address, data)
-        self._registered = address, data
-        self.table["registered_instruction"] = 1
-
-    def action(self) -> None:
-        """Carry out the write that was kept.
-
-        Raises:
-            StatusError: there is none, or it is refused by now.
-        """
-        if self._registered is None:
-            raise StatusError(ErrorNumber.INSTRUCTION)
-        address, data = self._registered
-        self._registered = None
-        self.table["registered_instruction"] = 0
-        self.write(address, data)
-
     def reboot(self, now: int) -> None:
-        """Start afresh: limp and deaf at once, back after a while."""
+        """Start afresh, as at power-up: limp and deaf at once, back after a while."""
         self._reset()
         self._awake = False
-        self._wakes_at = now + round(self._firmware.reboot_s * _NS)
-
-    def _reset(self) -> None:
-        self.table.restore_defaults(Memory.RAM)
-        self._set_goals_by_mode()
-        self._registered = None
-        self._sensed = None
-        self.alert = 0
-        self._configure()
-
-    def _start(self, now: int) -> None:
-        self._awake = True
-        self._started_at = self._heard_at = self._relaxed_at = now
-        self._physics.fold(self._index, self.table)
-        self._hold_here()
-        if self.table["startup_configuration"] & _TORQUE_ON_AT_START:
-            self._torque_on()
+        self._wakes_at = now + round(self.model.firmware.reboot_s * _NS)
 
     def _is_awake(self, now: int) -> bool:
         if not self._awake and now >= self._wakes_at:
+            self._awake = True
             self._start(now)
         return self._awake
+
+    def _configure_line(self) -> None:
+        """Take over the settings of the bus."""
+        self.id = self.table["id"]
+        self.return_delay_ns = self.table["return_delay_time"] * self._delay_unit_ns
+        self._baud = self.model.baud_rates[self.table["baud_rate"]]
 
     def _sense(self) -> None:
         """Bring the present values into the table, if there are newer ones."""
         sensed = self._physics.present()[self._index]
         if sensed is not self._sensed:
             self._sensed = sensed
-            self._sensors.pack_into(self.table.data, self._sensors_at, *sensed)
+            self._show(sensed)
 
-    def _check(self, address: int, data: bytes) -> list[Assignment]:
-        assignments = self.table.check(address, data)
-        if self._tripped and any(
-            register.name in _GOALS or (register.name == "bus_watchdog" and value)
-            for register, value in assignments
-        ):
-            raise StatusError(ErrorNumber.DATA_RANGE)
-        return assignments
-
-    def _react(self, name: str, value: int) -> None:
-        """Act on a register just written."""
-        if name in _GOALS:
-            self._take_goal(name)
-        elif name == "torque_enable" and value and not self._torque:
-            self._torque_on()
-        elif name == "operating_mode" and value != self._mode:
-            self._change_mode()
-        else:
-            self._configure()
-
-    def _take_goal(self, name: str) -> None:
-        if self._torque_by_goal and not self._torque:
-            self._torque_on(keep_goal=True)
-        elif name == "goal_pwm":
-            self._physics.load(self._index, self.table)
-        elif self._torque and (name == "goal_velocity") == (self._mode == OperatingMode.VELOCITY):
-            self._physics.set_goal(self._index, self.table)
-
-    def _configure(self) -> None:
-        """Take over settings that are looked at often, and the motor's."""
-        table = self.table
-        self.id = table["id"]
-        self.secondary_id = table["secondary_id"] if table["secondary_id"] != _NO_SECONDARY_ID else None
-        self.return_delay_ns = table["return_delay_time"] * self._delay_unit_ns
-        self.status_return_level = table["status_return_level"]
-        first = self.model.fast_sync_read_firmware
-        self.fast_sync_read = first is not None and table["firmware_version"] >= first
-        self._baud = self.model.baud_rates[table["baud_rate"]]
-        self._mode = table["operating_mode"]
-        self._torque = bool(table["torque_enable"])
-        self._torque_by_goal = bool(table["drive_mode"] & _TORQUE_ON_BY_GOAL)
-        self._temperature_limit = table["temperature_limit"]
-        unit = self.model["present_input_voltage"].scale  # V; a limit is passed by half a count
-        self._lowest_v = unit * (table["min_voltage_limit"] - 0.5)
-        self._highest_v = unit * (table["max_voltage_limit"] + 0.5)
-        watchdog = table["bus_watchdog"]
-        self._tripped = watchdog == _WATCHDOG_TRIPPED
-        self._watchdog_ns = 0 if self._tripped else watchdog * self._watchdog_unit_ns
-        self._physics.load(self._index, table)
-
-    def _torque_on(self, keep_goal: bool = False) -> None:
-        failed = self.table["hardware_error_status"] & self.table["shutdown"]
-        self.table["torque_enable"] = 0 if failed else 1
-        if not failed and self._mode == OperatingMode.POSITION:
-            self._physics.fold(self._index, self.table)
-        if not failed and self._firmware.goal_follows_present and not keep_goal:
-            self._hold_here()
-        self._configure()
-        self._physics.restart(self._index, self.table)
-
-    def _change_mode(self) -> None:
-        for name in _SET_BY_MODE:
-            self.table[name] = self.model[name].default or 0
-        self._set_goals_by_mode()
-        self._configure()
-        if self._mode == OperatingMode.POSITION:
-            self._physics.fold(self._index, self.table)
-
-    def _set_goals_by_mode(self) -> None:
-        """Goal PWM is the whole goal in PWM mode, else a bound."""
-        pwm_mode = self.table["operating_mode"] == OperatingMode.PWM
-        self.table["goal_pwm"] = 0 if pwm_mode else self.table["pwm_limit"]
-        self.table["goal_velocity"] = 0
-
-    def _hold_here(self) -> None:
-        self._sense()
-        self.table["goal_position"] = self.table["present_position"]
-
-    def _watch_bus(self, now: int) -> None:
-        """Stop, without letting go, if no instruction came for too long."""
-        if not self._watchdog_ns or not self._torque or now - self._heard_at <= self._watchdog_ns:
-            return
-        self.table["bus_watchdog"] = _WATCHDOG_TRIPPED
-        self.table["goal_velocity"] = 0
-        if self._mode == OperatingMode.PWM:
-            self.table["goal_pwm"] = 0
-        self._hold_here()
-        self._configure()
-        self._physics.restart(self._index, self.table)
-
-    def _supervise(self, now: int, duty: float, supply_v: float, temperature_c: float) -> None:
-        """Look after the protections."""
-        straining = abs(duty) > self._firmware.overload_duty
-        hot = temperature_c > self._temperature_limit
-        starved = not self._lowest_v <= supply_v <= self._highest_v
-        if not straining:
-            self._relaxed_at = now
-        if not (straining or hot or starved or self._watchdog_ns) and self._awake:
-            return
-        if not self._is_awake(now):
-            return
-        self._watch_bus(now)
-        overloaded = now - self._relaxed_at >= self._firmware.overload_s * _NS
-        faults = overloaded * OVERLOAD | hot * OVERHEATING | starved * INPUT_VOLTAGE
-        if faults & ~self.table["hardware_error_status"]:
-            self._fail(faults)
-
-    def _fail(self, faults: int) -> None:
-        """Report faults until the next reboot, and let go if the user has chosen so."""
-        self.table["hardware_error_status"] |= faults
-        self.alert = ALERT
-        if self.table["hardware_error_status"] & self.table["shutdown"]:
-            self.table["torque_enable"] = 0
-            self._configure()
-
-
-def _sensor_layout(model: ServoModel) -> tuple[struct.Struct, int]:
-    """Return how the present values lie in the table, side by side, and where."""
-    rows = [model[name] for name in present_registers(model)]
-    if any(before.end != after.address for before, after in itertools.pairwise(rows)):
-        raise ValueError(f"{model.name}: the present values do not lie side by side")
-    letters = {1: "B", 2: "H", 4: "I"}
-    layout = "".join(letters[row.size].lower() if row.signed else letters[row.size] for row in rows)
-    return struct.Struct(f"<{layout}"), rows[0].address
+    def _take_off_turns(self, sign: int, zero: int) -> None:
+        """Bring the count `sign x ticks + zero` to within one turn, which is all that the encoder tells."""
+        turn = self.model.encoder.ticks_per_turn
+        self._turned = math.floor((zero + sign * self._physics.ticks(self._index)) / turn) * turn

@@ -49,10 +49,11 @@ class Trajectories:
     def __init__(self, count: int) -> None:
         self.position, self.speed, self.acceleration = np.zeros((3, count))  # ticks, s
         self.ongoing = np.zeros(count, bool)
-        self.kind = np.zeros(count, np.int64)  # 0 step, 1 rectangle, 2 triangle, 3 trapezoid (moving_status)
-        self.idle = True  # whether no servo has a profile
+        self.kind = np.zeros(count, np.int64)  # of the last profile: 0 none, 1 rectangle, 2 triangle, 3 trapezoid
+        self.idle = True  # whether every servo is at its goal
         self._profiled = np.zeros(count, bool)
         self._profiles = np.zeros((len(Profile._fields), count))
+        self._ramp, self._brake = np.zeros((2, count))  # accelerations
         self._begin = np.zeros(count, np.int64)  # ns
 
     def jump(self, index: int, position: float, speed: float = 0.0) -> None:
@@ -62,32 +63,36 @@ class Trajectories:
         if self._profiled[index]:
             self._profiled[index] = self.ongoing[index] = False
             self.acceleration[index] = self.kind[index] = 0
-            self.idle = not self._profiled.any()
+            self.idle = not self.ongoing.any()
 
     def follow(self, index: int, profile: Profile, now: int) -> None:
         """Begin a profile at `now` ns."""
         self._profiles[:, index] = profile
+        _, start_speed, ramp_s, cruise_speed, cruise_s, brake_s = profile
+        self._ramp[index] = (cruise_speed - start_speed) / ramp_s if ramp_s else 0.0
+        self._brake[index] = cruise_speed / brake_s if brake_s else 0.0
         self._begin[index] = now
-        self.kind[index] = 1 if profile.ramp_s == 0.0 else 2 if profile.cruise_s == 0.0 else 3
+        self.kind[index] = 1 if ramp_s == 0.0 else 2 if cruise_s == 0.0 else 3
         self._profiled[index] = self.ongoing[index] = True
         self.idle = False
 
     def advance(self, now: int) -> None:
         """Move all profiles to `now` ns."""
         start, start_speed, ramp_s, cruise_speed, cruise_s, brake_s = self._profiles
+        ramp, brake, profiled = self._ramp, self._brake, self._profiled
         time = (now - self._begin) * _SECONDS
+        braking_from = ramp_s + cruise_s
         ramped = np.minimum(time, ramp_s)
-        cruised = np.clip(time - ramp_s, 0.0, cruise_s)
-        braked = np.clip(time - ramp_s - cruise_s, 0.0, brake_s)
-        ramp = (cruise_speed - start_speed) / np.maximum(ramp_s, _SECONDS)
-        brake = cruise_speed / np.maximum(brake_s, _SECONDS)
+        cruised = np.minimum(np.maximum(time - ramp_s, 0.0), cruise_s)
+        braked = np.minimum(np.maximum(time - braking_from, 0.0), brake_s)
         position = (
             start + (start_speed + 0.5 * ramp * ramped) * ramped + cruise_speed * cruised
             + (cruise_speed - 0.5 * brake * braked) * braked)
-        ongoing = time < ramp_s + cruise_s + brake_s
+        ongoing = time < braking_from + brake_s
         speed = (start_speed + ramp * ramped - brake * braked) * ongoing
         acceleration = (ramp * (time < ramp_s) - brake * (braked > 0.0)) * ongoing
-        np.copyto(self.position, position, where=self._profiled)
-        np.copyto(self.speed, speed, where=self._profiled)
-        np.copyto(self.acceleration, acceleration, where=self._profiled)
-        np.logical_and(ongoing, self._profiled, out=self.ongoing)
+        np.copyto(self.position, position, where=profiled)
+        np.copyto(self.speed, speed, where=profiled)
+        np.copyto(self.acceleration, acceleration, where=profiled)
+        np.logical_and(ongoing, profiled, out=self.ongoing)
+        self.idle = not self.ongoing.any()

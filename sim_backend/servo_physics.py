@@ -1,96 +1,86 @@
-"""The motors of a robot's servos and the control loops of their firmware, all servos at once.
+"""The motors of a robot's servos and the control loops of their firmware: all servos at once, of any brand.
 
-Per servo, with e = goal - position in encoder ticks and f = `time_base_hz`:
+In encoder ticks and seconds, duty as a share of the supply voltage, with the `Gains` of each servo:
 
-    position loop   duty = (P e / 128 + I sum(e) / 65536 + D (v_goal - v) / 16 f + FF1 v_goal / 4 f
-                            + FF2 a_goal / 4 f^2) / full-scale PWM
-    velocity loop   the same with P / 128 and I / 65536 on the error of the velocity in register counts
-    motor           torque = kt (V - kt w) / R with V = supply x duty; none with torque off (bridge open)
+    position loop   duty = P (goal - position) + sum of I (goal - position) dt + D (v_goal - v)
+                           + FF1 v_goal + FF2 a_goal
+    velocity loop   the same, where the velocity's error takes the place of the position's
+    motor           torque = kt (V - kt w) / R with V = supply x duty; none with the bridge open (torque off)
 
-Divisors: e-Manual, X series, the gains' registers. Angles and speeds are the output shaft's, positive
-counter-clockwise, 0 rad at the encoder's centre. Friction and armature act in MuJoCo. Not modelled: heat,
-backlash, the firmware's own sampling period, which is the physics step.
+Ticks, angles and speeds are the output shaft's, positive counter-clockwise, 0 at the encoder's centre. What
+registers make of them is the firmware's. Friction and armature act in MuJoCo. Not modelled: heat, backlash, the
+firmware's own sampling period, which is the physics step.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from hal.register_map import DynamixelFirmware, ServoModel
-from sim_backend.control_table import ControlTable, OperatingMode
-from sim_backend.motion_profile import Profile, Trajectories, profile_by_speed, profile_by_time
+from hal.register_map import ServoModel
+from sim_backend.motion_profile import Profile, Trajectories
 
 Floats = npt.NDArray[np.float64]
-Supervisor = Callable[[int, float, float, float], None]  # now (ns), duty, supply (V), temperature (degC)
 
-REVERSE = 0x01  # bits of drive_mode
-TIME_BASED = 0x04
-_INTEGRAL_DIVISOR = 65536
-_DERIVATIVE_DIVISOR = 16
-_FEED_FORWARD_DIVISOR = 4
-_VELOCITY_DIVISOR = 128
 _IN_POSITION_TICKS = 10  # unpublished
-_IN_POSITION, _ONGOING, _KIND_SHIFT = 0x01, 0x02, 4  # moving_status; its bit for following errors stays 0
 _SUPERVISION_NS = 5_000_000  # how often the firmware looks after its protections; assumed
 _SECONDS = 1e-9  # per ns
 
 
-def present_registers(model: ServoModel) -> tuple[str, ...]:
-    """Return the names of the values of `ServoPhysics.present`, in their order."""
-    return (
-        "moving", "moving_status", "present_pwm", model.cyclic.effort, "present_velocity", "present_position",
-        "velocity_trajectory", "position_trajectory", "present_input_voltage", "present_temperature")
+class Gains(NamedTuple):
+    """Of a control loop: duty per tick of error, or per tick/s in a velocity loop."""
+
+    proportional: float = 0.0
+    integral: float = 0.0  # per s
+    derivative: float = 0.0  # s
+    feed_speed: float = 0.0  # duty per tick/s of the goal's speed
+    feed_acceleration: float = 0.0  # duty per tick/s^2
 
 
-class _Settings(NamedTuple):
-    """What a new goal needs of a servo's registers. Position count = sign x ticks + zero."""
+class Drive(NamedTuple):
+    """How a servo's firmware drives its motor."""
 
-    mode: int
-    sign: float
-    zero: float
-    time_based: bool
-    profile_velocity: int
-    profile_acceleration: int
-    velocity_unit: float  # ticks/s per count
-    acceleration_unit: float  # ticks/s^2 per count
+    on: bool  # whether the bridge is closed; open, the shaft turns freely
+    largest_duty: float = 0.0
+    gains: Gains = Gains()
+    velocity_loop: bool = False  # else a position loop
+    duty: float = 0.0  # added to the loop's
 
 
-def _sign(table: ControlTable) -> float:
-    return -1.0 if table["drive_mode"] & REVERSE else 1.0
+class Scales(NamedTuple):
+    """What a servo reports: counts = sign x scale x value, but position = sign x ticks + zero."""
+
+    sign: int  # -1 where counts grow clockwise
+    zero: float  # counts
+    duty: float  # counts at 1
+    load: float  # counts at duty 1
+    speed: float  # counts per tick/s
+    current: float  # counts per A
+    supply: float  # counts per V
+    moving_above: float  # counts of speed
 
 
-def _settings(model: ServoModel, table: ControlTable, turned: int) -> _Settings:
-    mode, offset, turn = table["operating_mode"], table["homing_offset"], model.encoder.ticks_per_turn
-    if mode == OperatingMode.POSITION and abs(offset) > turn // 4:
-        offset = 0  # ignored there (e-Manual, Homing Offset)
-    return _Settings(
-        mode, _sign(table), model.encoder.centre + offset - turned, bool(table["drive_mode"] & TIME_BASED),
-        table["profile_velocity"], table["profile_acceleration"],
-        model["profile_velocity"].scale * turn / 60.0, model["profile_acceleration"].scale * turn / 3600.0)
+class Present(NamedTuple):
+    """What a servo reports, in counts, or 0 and 1."""
+
+    moving: int
+    arrived: int  # whether the shaft is where a profile has ended
+    in_profile: int
+    profile_shape: int  # 0 step, 1 rectangle, 2 triangle, 3 trapezoid
+    duty: int
+    load: int
+    speed: int
+    position: int
+    goal_speed: int  # of the profile
+    goal_position: int
+    current: int
+    supply: int
+    temperature: int
 
 
-def _gains(model: ServoModel, table: ControlTable, settings: _Settings) -> tuple[float, ...]:
-    """Return P, I, D and both feed-forward gains in duty per tick and seconds."""
-    loop, firmware = model.position_loop, model.firmware
-    assert isinstance(firmware, DynamixelFirmware)
-    rate = firmware.time_base_hz
-    if settings.mode == OperatingMode.PWM:
-        return 0.0, 0.0, 0.0, 0.0, 0.0
-    if settings.mode == OperatingMode.VELOCITY:
-        duty = 1.0 / (loop.pwm_full_scale * settings.velocity_unit)  # of one PWM count per velocity count
-        p, i = table["velocity_p_gain"] / _VELOCITY_DIVISOR, table["velocity_i_gain"] / _INTEGRAL_DIVISOR
-        return p * duty, i * rate * duty, 0.0, 0.0, 0.0
-    duty = 1.0 / loop.pwm_full_scale
-    derivative = table["position_d_gain"] if firmware.derivative_gain else 0
-    return (
-        table[loop.proportional] / loop.divisor * duty,
-        table["position_i_gain"] / _INTEGRAL_DIVISOR * rate * duty,
-        derivative / _DERIVATIVE_DIVISOR / rate * duty,
-        table["feedforward_1st_gain"] / _FEED_FORWARD_DIVISOR / rate * duty,
-        table["feedforward_2nd_gain"] / _FEED_FORWARD_DIVISOR / rate**2 * duty)
+Supervisor = Callable[[int, float, float, float, float], None]  # now (ns), duty, A, V of the supply, degC
+_SCALED = 9  # the last fields of Present are scaled values
 
 
 class ServoPhysics:
@@ -106,17 +96,17 @@ class ServoPhysics:
         self.temperature_c = self._of(lambda model: model.firmware.temperature_c)  # may be set
         self.duty, self.current, self.torque, self.energy = np.zeros((4, count))  # 1, A, N m, J
         self._torque_constant = self._of(lambda model: model.motor.torque_constant_nm_per_a)
+        self._resistance = self._of(lambda model: model.motor.resistance_ohm)
         self._ticks_per_radian = self._of(lambda model: 1.0 / model.encoder.radians_per_tick)
         self._ticks, self._velocity, self._voltage, self._power = np.zeros((4, count))
         self._conductance, self._limit, self._open_loop, self._sum = np.zeros((4, count))
-        self._gains = np.zeros((5, count))  # P, I, D, FF1, FF2 in duty per tick, tick s, tick/s ...
-        self._velocity_mode = np.zeros(count, bool)
+        self._gains = np.zeros((len(Gains._fields), count))
+        self._velocity_loop = np.zeros(count, bool)
         self._regulated: set[int] = set()  # servos that need more than P
-        self._settings: dict[int, _Settings] = {}
-        self._turned = [0] * count  # ticks, whole turns taken off the position
         self._goals = Trajectories(count)
-        self._scale, self._offset = np.zeros((2, 8, count))  # of the present registers
-        self._moving_threshold = np.zeros(count)
+        self._scale, self._offset = np.zeros((2, _SCALED, count))
+        self._moving_above = np.zeros(count)
+        self._rows = np.zeros((len(Present._fields), count))
         self._present: list[list[int]] | None = None
         self._supervisors: dict[int, Supervisor] = {}
         self._now = 0
@@ -159,17 +149,18 @@ class ServoPhysics:
 
     def _supervise(self) -> None:
         self._supervise_at = self._now + _SUPERVISION_NS
-        duty, supply, temperature = self.duty.tolist(), self.supply_v.tolist(), self.temperature_c.tolist()
+        duty, current = self.duty.tolist(), self.current.tolist()
+        supply, temperature = self.supply_v.tolist(), self.temperature_c.tolist()
         for index, supervisor in self._supervisors.items():
-            supervisor(self._now, duty[index], supply[index], temperature[index])
+            supervisor(self._now, duty[index], current[index], supply[index], temperature[index])
 
     def _run_loops(self, elapsed: float) -> None:
         """Set the duties by the full law; `step` has a short cut for proportional control alone."""
-        goals, velocity_mode = self._goals, self._velocity_mode
+        goals = self._goals
         goals.advance(self._now)
         p, i, d, feed_speed, feed_acceleration = self._gains
         speed_error = goals.speed - self._velocity * self._ticks_per_radian
-        error = np.where(velocity_mode, speed_error, goals.position - self._ticks)
+        error = np.where(self._velocity_loop, speed_error, goals.position - self._ticks)
         self._sum += i * error * elapsed
         np.clip(self._sum, -self._limit, self._limit, out=self._sum)  # against wind-up
         self.duty[:] = (
@@ -185,104 +176,76 @@ class ServoPhysics:
         np.multiply(self._voltage, self.current, out=self._power)
         np.maximum(self._power, 0.0, out=self._power)
 
-    def load(self, index: int, table: ControlTable) -> None:
-        """Take a servo's settings from its registers. A profile applies from the next goal on."""
-        model = self.models[index]
-        on, mode = table["torque_enable"], table["operating_mode"]
-        full = model.position_loop.pwm_full_scale
-        self._settings[index] = settings = _settings(model, table, self._turned[index])
-        pwm = mode == OperatingMode.PWM
-        cap = table["pwm_limit"] if pwm else min(abs(table["goal_pwm"]), table["pwm_limit"])
-        self._limit[index] = on * cap / full
-        self._open_loop[index] = settings.sign * table["goal_pwm"] / full if pwm else 0.0
-        self._gains[:, index] = gains = _gains(model, table, settings) if on else (0.0,) * 5
-        if gains[1] == 0.0:
+    def load(self, index: int, drive: Drive, scales: Scales) -> None:
+        """Take a servo's settings. With torque off, its goal is where the shaft is."""
+        gains = drive.gains if drive.on else Gains()
+        self._limit[index] = drive.largest_duty if drive.on else 0.0
+        self._open_loop[index] = drive.duty
+        self._gains[:, index] = gains
+        self._velocity_loop[index] = drive.velocity_loop
+        self._conductance[index] = drive.on / self._resistance[index]
+        if gains.integral == 0.0:
             self._sum[index] = 0.0
-        if not on:
-            self._goals.jump(index, float(self._ticks[index]))
-        self._velocity_mode[index] = mode == OperatingMode.VELOCITY
-        self._conductance[index] = on / model.motor.resistance_ohm
-        if on and (pwm or mode == OperatingMode.VELOCITY or any(gains[1:])):
+        if not drive.on:
+            self._goals.jump(index, self.ticks(index))
+        if drive.on and (drive.duty != 0.0 or drive.velocity_loop or any(gains[1:])):
             self._regulated.add(index)
         else:
             self._regulated.discard(index)
-        self._load_scales(index, model, settings)
-        self._moving_threshold[index] = table["moving_threshold"]
+        self._load_scales(index, scales)
 
-    def _load_scales(self, index: int, model: ServoModel, settings: _Settings) -> None:
-        sign, zero = settings.sign, settings.zero
-        full = model.position_loop.pwm_full_scale
-        speed = sign / settings.velocity_unit
+    def _load_scales(self, index: int, scales: Scales) -> None:
+        sign, speed = scales.sign, scales.sign * scales.speed
         self._scale[:, index] = (
-            sign * full, sign * model.cyclic.effort_full_scale, speed / model.encoder.radians_per_tick, sign,
-            speed, sign, 1.0 / model["present_input_voltage"].scale, 1.0)
-        self._offset[:, index] = 0.0, 0.0, 0.0, zero, 0.0, zero, 0.0, 0.0
+            sign * scales.duty, sign * scales.load, speed * self._ticks_per_radian[index], sign, speed, sign,
+            sign * scales.current, scales.supply, 1.0)
+        self._offset[(3, 5), index] = scales.zero
+        self._moving_above[index] = scales.moving_above
         self._present = None
 
-    def set_goal(self, index: int, table: ControlTable) -> None:
-        """Head for the goal registers from where the trajectory is."""
-        settings, goals = self._settings[index], self._goals
+    def ticks(self, index: int) -> float:
+        """Return where a shaft is."""
+        return float(self._ticks[index])
+
+    def trajectory(self, index: int) -> tuple[float, float]:
+        """Return where a servo's profile is by now, or its goal, and how fast it moves, ticks/s."""
+        return float(self._goals.position[index]), float(self._goals.speed[index])
+
+    def jump(self, index: int, position: float, speed: float = 0.0) -> None:
+        """Give a servo a goal at once, in ticks (and ticks/s for a velocity loop)."""
         self._present = None
-        if settings.mode == OperatingMode.VELOCITY:
-            speed = settings.sign * table["goal_velocity"] * settings.velocity_unit
-            if settings.profile_acceleration:
-                goals.follow(index, self._ramp(index, speed), self._now)
-            else:
-                goals.jump(index, float(goals.position[index]), speed)
-            return
-        position = settings.sign * (table["goal_position"] - settings.zero)
-        if settings.profile_velocity:
-            goals.follow(index, self._profile(index, position), self._now)
-        else:
-            goals.jump(index, position)
+        self._goals.jump(index, position, speed)
 
-    def _ramp(self, index: int, goal_speed: float) -> Profile:
-        settings, goals = self._settings[index], self._goals
-        start, speed = float(goals.position[index]), float(goals.speed[index])
-        acceleration = settings.profile_acceleration
-        if settings.time_based:
-            ramp_s = 1e-3 * acceleration
-        else:
-            ramp_s = abs(goal_speed - speed) / (acceleration * settings.acceleration_unit)
-        return Profile(start, speed, ramp_s, goal_speed, math.inf, 0.0)
+    def follow(self, index: int, profile: Profile) -> None:
+        """Lead a servo along a profile, from now on."""
+        self._present = None
+        self._goals.follow(index, profile, self._now)
 
-    def _profile(self, index: int, goal: float) -> Profile:
-        settings, goals = self._settings[index], self._goals
-        start, speed = float(goals.position[index]), float(goals.speed[index])
-        velocity, acceleration = settings.profile_velocity, settings.profile_acceleration
-        if settings.time_based:
-            return profile_by_time(start, speed, goal, 1e-3 * velocity, 1e-3 * acceleration)
-        return profile_by_speed(
-            start, speed, goal, velocity * settings.velocity_unit, acceleration * settings.acceleration_unit)
-
-    def restart(self, index: int, table: ControlTable) -> None:
-        """Start from rest where the shaft is, as when torque comes on."""
+    def rest(self, index: int) -> None:
+        """Make a servo's goal the place where its shaft is, and forget past errors."""
         self._sum[index] = 0.0
-        self._goals.jump(index, float(self._ticks[index]))
-        self.load(index, table)
-        self.set_goal(index, table)
-
-    def fold(self, index: int, table: ControlTable) -> None:
-        """Bring the position to within one turn, which is all that the encoder tells."""
-        encoder = self.models[index].encoder
-        count = encoder.centre + _sign(table) * float(self._ticks[index])
-        self._turned[index] = math.floor(count / encoder.ticks_per_turn) * encoder.ticks_per_turn
-        self.load(index, table)
+        self.jump(index, self.ticks(index))
 
     def present(self) -> list[list[int]]:
-        """Return each servo's present values in counts, in the order of `present_registers`."""
+        """Return what each servo reports: the fields of `Present`."""
         if self._present is None:
             self._present = self._read_sensors()
         return self._present
 
     def _read_sensors(self) -> list[list[int]]:
-        goals = self._goals
-        raw = np.array((
-            self.duty, self.duty, self._velocity, self._ticks,
-            goals.speed, goals.position, self.supply_v, self.temperature_c))
-        counts = np.rint(raw * self._scale + self._offset)
-        moving = goals.ongoing | (np.abs(counts[2]) > self._moving_threshold)
-        arrived = ~goals.ongoing & (np.abs(goals.position - self._ticks) <= _IN_POSITION_TICKS)
-        status = arrived * _IN_POSITION | goals.ongoing * _ONGOING | goals.kind << _KIND_SHIFT
-        rows: list[list[int]] = np.vstack((moving, status, counts)).T.astype(np.int64).tolist()
-        return rows
+        goals, rows = self._goals, self._rows
+        counts = rows[-_SCALED:]
+        for row, value in zip(counts, (
+            self.duty, self.duty, self._velocity, self._ticks, goals.speed, goals.position, self.current,
+            self.supply_v, self.temperature_c), strict=True,
+        ):
+            row[:] = value
+        counts *= self._scale
+        counts += self._offset
+        np.rint(counts, out=counts)
+        rows[0] = goals.ongoing | (np.abs(counts[2]) > self._moving_above)
+        rows[1] = ~goals.ongoing & (np.abs(goals.position - self._ticks) <= _IN_POSITION_TICKS)
+        rows[2] = goals.ongoing
+        rows[3] = goals.kind
+        present: list[list[int]] = rows.T.astype(np.int64).tolist()
+        return present

@@ -26,6 +26,10 @@ class SimulatedClock:
         heapq.heappush(self._events, (max(when, self._now), self._scheduled, event))
         self._scheduled += 1
 
+    def next_event(self) -> int:
+        """Return when the next event runs, ns. There must be one."""
+        return self._events[0][0]
+
     def wait(self, ports: Sequence[BytePort], deadline: int) -> None:
         """Let time pass until a port has bytes to read or `deadline` has come."""
         events = self._events

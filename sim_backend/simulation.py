@@ -1,11 +1,12 @@
 """A simulated robot in one process and in lock-step: its world, its servos, its wires, one clock."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 from hal.register_map import ServoModel
 from robotwalk.model import RobotModel
-from sim_backend.dynamixel_device import DynamixelDevice
+from sim_backend.adapter import ADAPTERS, AdapterName
+from sim_backend.brands import make_device, make_servo
 from sim_backend.fake_servo import FakeServo
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.simulated_clock import SimulatedClock
@@ -27,17 +28,18 @@ class SimulatedServo(NamedTuple):
 class SimulatedRobot:
     """A seated robot, torque off, whose servos have return delay 0.
 
-    Time passes only in `clock.wait`. Each of `ports` is the host's end of one bus.
+    Time passes only in `clock.wait`. Each of `ports` is the host's end of one bus; `observers` are called after
+    every physics step.
     """
 
     def __init__(
         self, model: RobotModel, servos: Sequence[SimulatedServo], bauds: Mapping[str, int], seated: Sequence[float],
-        *, rate_hz: int, seed: int = 0,
+        *, rate_hz: int, seed: int = 0, adapter: AdapterName = "none",
     ) -> None:
         """Build the robot; `servos` and `seated` (rad) are in joint order.
 
         Raises:
-            ValueError: a bus has a baud that its servos do not have.
+            ValueError: a bus has a baud that its servos do not have, or servos of two protocols.
         """
         self.clock = SimulatedClock()
         self.physics = ServoPhysics([servo.model for servo in servos])
@@ -45,14 +47,16 @@ class SimulatedRobot:
             model, self.physics, [servo.mounting for servo in servos], seated, rate_hz=rate_hz, seed=seed)
         # Servos find their shafts where the world has put them.
         self.servos = [
-            FakeServo(
+            make_servo(
                 self.physics, index, id=servo.id, baud_rate=servo.model.baud_rates.index(bauds[servo.bus]),
                 return_delay_time=0)
             for index, servo in enumerate(servos)
         ]
         self.ports = {
-            bus: SimulatedPort(self.clock, DynamixelDevice(self._on(bus, servos)), baud) for bus, baud in bauds.items()
+            bus: SimulatedPort(self.clock, make_device(bus, self._on(bus, servos)), baud, ADAPTERS[adapter]())
+            for bus, baud in bauds.items()
         }
+        self.observers: list[Callable[[], None]] = []
         self._steps = 0
         self._schedule_step()
 
@@ -71,3 +75,5 @@ class SimulatedRobot:
     def _step(self) -> None:
         self.world.step(self.clock.now())
         self._schedule_step()
+        for observer in self.observers:
+            observer()

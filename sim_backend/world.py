@@ -41,6 +41,7 @@ class Truth(NamedTuple):
 
     time: float  # s, simulated
     base: Pose
+    attitude: tuple[float, ...]  # of the base, quaternion w, x, y, z
     joints: tuple[float, ...]  # rad
     contacts: tuple[bool, ...]  # by leg
     energy: float  # J, electrical, drawn by all servos so far
@@ -102,6 +103,7 @@ class World:
         return Truth(
             time=float(self.data.time),
             base=Pose(float(qpos[0]), float(qpos[1]), float(qpos[2]), roll, pitch, self._yaw),
+            attitude=tuple(qpos[3:7].tolist()),
             joints=tuple(qpos[7:].tolist()),
             contacts=tuple(foot in touching for foot in self._feet),
             energy=float(self._servos.energy.sum()),

@@ -22,6 +22,7 @@ app = App(
 )
 # Loaded when called: `--help` need not wait for MuJoCo.
 app.command("robotwalk.cli.walk:walk")
+app.command("robotwalk.cli.sim:sim")
 app.command("robotwalk.cli.check:check")
 app.command("robotwalk.cli.list:app", name="list")
 app.command("robotwalk.cli.bench:app", name="bench")

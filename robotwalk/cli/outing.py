@@ -36,18 +36,22 @@ class Plan(NamedTuple):
 
 
 class Outing:
-    """Walks a simulated robot by a plan. Distances count from the end of standing up to the start of sitting down."""
+    """Walks a robot by a plan. Distances count from the end of standing up to the start of sitting down.
 
-    def __init__(self, simulation: assembly.Simulation, plan: Plan, *, film: bool = False, view: bool = False) -> None:
+    What happens is the simulation's truth where there is one, else what odometry makes of it.
+    """
+
+    def __init__(self, session: assembly.Session, plan: Plan, *, film: bool = False, view: bool = False) -> None:
         """Prepare it.
 
         Raises:
-            UsageError: the plan makes no sense for this robot, or the viewer is not installed.
+            UsageError: the plan makes no sense for this robot, there is nothing to look at, or no viewer installed.
         """
-        self._robot, self._world = simulation.robot, simulation.world
+        self._robot = session.robot
+        self._world = session.world if isinstance(session, assembly.Simulation) else None
         self._plan = plan
-        gaits = simulation.blueprint.gaits
-        self._gait = gaits.get(plan.gait or simulation.blueprint.default_gait)
+        gaits = session.blueprint.gaits
+        self._gait = gaits.get(plan.gait or session.blueprint.default_gait)
         if self._gait is None:
             raise UsageError(f"{self._robot.model.name} has no gait {plan.gait!r}; it has {', '.join(gaits)}")
         wanted = twist_of(plan.speed, plan.direction, plan.turn)
@@ -57,8 +61,10 @@ class Outing:
         self._energy = 0.0
         self._ticks = self._walking_ticks = 0
         self._wall = 0.0
-        self._film = assembly.film(self._world) if film else None
-        self._viewer = assembly.viewer(self._world) if view else None
+        if (film or view) and self._world is None:
+            raise UsageError("--gif and --view show a simulation; there is none behind a port")
+        self._film = assembly.film(self._world) if film and self._world else None
+        self._viewer = assembly.viewer(self._world) if view and self._world else None
         self._progress: Progress = lambda text, share: None
 
     def run(self, progress: Progress) -> None:
@@ -104,12 +110,13 @@ class Outing:
         loop, model, plan = self._robot.loop, self._robot.model, self._plan
         truth, odometry = self._truth.summary(), self._odometry.summary()
         seconds = self._walking_ticks / loop.rate_hz
+        simulated = self._world is not None
         work = model.mass * _GRAVITY * abs(truth.distance)
         assert self._gait is not None
         return {
             "robot": model.name,
             "gait": self._gait.name,
-            "backend": "sim",
+            "backend": "sim" if simulated else "bus",
             "rate_hz": loop.rate_hz,
             "duration_s": round(seconds, 3),
             "ticks": self._ticks,
@@ -121,13 +128,13 @@ class Outing:
             "heading_change_deg": math.degrees(truth.displacement.yaw),
             "speed_mps": truth.distance / seconds if seconds else 0.0,
             "lateral_drift_m": self._drift(truth) if plan.turn == 0.0 and plan.heading is None else None,
-            "max_tilt_deg": math.degrees(truth.max_tilt),
+            "max_tilt_deg": math.degrees(truth.max_tilt) if simulated else None,
             "min_height_m": truth.min_height,
             "fell": truth.fell,
             "odometry": {
                 "distance_m": odometry.distance, "heading_change_deg": math.degrees(odometry.displacement.yaw)},
-            "energy_j": self._energy,
-            "cost_of_transport": self._energy / work if work > 0.0 else None,
+            "energy_j": self._energy if simulated else None,
+            "cost_of_transport": self._energy / work if simulated and work > 0.0 else None,
             "bus": {
                 name: _bus_fields(line) for name, line in self._robot.bus_statistics().items()
             },
@@ -141,15 +148,21 @@ class Outing:
         }
 
     def _begin(self) -> None:
-        self._start = self._world.truth().base
+        self._start = self._pose()
         nominal = self._plan.height or self._robot.model.heights.stand
         self._truth = Journey(self._start, self._plan.direction, nominal)
         self._odometry = Journey(self._robot.state.odometry, self._plan.direction, nominal)
-        self._energy = -self._world.truth().energy
+        self._energy = -self._energy_so_far()
 
     def _end(self) -> None:
         self._start = None
-        self._energy += self._world.truth().energy
+        self._energy += self._energy_so_far()
+
+    def _pose(self) -> Pose:
+        return self._world.truth().base if self._world is not None else self._robot.state.odometry
+
+    def _energy_so_far(self) -> float:
+        return self._world.truth().energy if self._world is not None else 0.0
 
     def _watch(self, tick: Tick) -> None:
         """Follow one tick."""
@@ -157,14 +170,14 @@ class Outing:
         rate = self._robot.loop.rate_hz
         if self._start is not None:
             self._walking_ticks += tick.state is State.WALK
-            self._truth.add(self._world.truth().base)
+            self._truth.add(self._pose())
             self._odometry.add(tick.estimate.pose)
         if self._ticks % max(rate // 10, 1) == 0:
             elapsed = self._ticks / rate
             self._progress(
                 f"{tick.state.value} {self._walking_ticks / rate:4.1f} s",
                 min(elapsed / (self._plan.duration + _SITTING_AND_STANDING), 1.0))
-        if self._film is not None and self._film.due(self._ticks / rate):
+        if self._film is not None and self._world is not None and self._film.due(self._ticks / rate):
             self._film.shoot(self._world.world.data, self._caption(tick))
         if self._viewer is not None:
             self._viewer.update(self._ticks / rate)
@@ -196,8 +209,9 @@ class Outing:
         return summary.displacement.y * math.cos(course) - summary.displacement.x * math.sin(course)
 
     def _hash(self) -> str:
-        """Hash all that was read and sent, and the true state at the end."""
-        return hashlib.sha256(f"{self._robot.loop.digest()} {self._world.truth()}".encode()).hexdigest()
+        """Hash all that was read and sent, and the true state at the end where it is known."""
+        truth = self._world.truth() if self._world is not None else None
+        return hashlib.sha256(f"{self._robot.loop.digest()} {truth}".encode()).hexdigest()
 
 
 def _bus_fields(line: BusStatistics) -> dict[str, Any]:

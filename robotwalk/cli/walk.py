@@ -12,6 +12,7 @@ from robotwalk.cli.output import complain, progress_line, say, write_json
 from robotwalk.errors import SafetyStop, UsageError
 
 Flag = Parameter(negative="")
+_HANGING = 0.35  # of the torque, for the first motion on a stand
 
 
 def walk(
@@ -27,12 +28,15 @@ def walk(
     duration: float = 10.0,
     rate: int = assembly.RATE_HZ,
     seed: int = 0,
+    port: list[str] | None = None,
+    real: Annotated[bool, Flag] = False,
+    hang: Annotated[bool, Flag] = False,
     log: Path | None = None,
     gif: Path | None = None,
     view: Annotated[bool, Flag] = False,
     json: Annotated[bool, Flag] = False,
 ) -> int:
-    """Stand up, walk, stop and sit, in simulation through the robot's real bytes.
+    """Stand up, walk, stop and sit: in simulation through the robot's real bytes, or with --port or --real on a bus.
 
     Parameters
     ----------
@@ -56,6 +60,12 @@ def walk(
         Ticks per second.
     seed
         Of the simulation. Equal seeds give equal runs.
+    port
+        BUS=URL: walk what is on this line, in real time. Once for each bus.
+    real
+        Open the ports that the robot's file names, or physical ones given by --port. The robot will move.
+    hang
+        For the first motion, on a stand with the feet off the ground: a third of the torque.
     log
         Record every tick to this MCAP file, for PlotJuggler or Foxglove.
     gif
@@ -81,8 +91,15 @@ def walk(
         speed=speed, direction=math.radians(direction),
         heading=None if heading is None else math.radians(heading),
         turn=math.radians(turn or 0.0), height=height, duration=duration, gait=gait)
-    simulation = assembly.simulate(robot, rate_hz=rate, seed=seed, log=log)
-    outing = Outing(simulation, plan, film=gif is not None, view=view)
+    ports = _ports(port or [])
+    session: assembly.Session
+    if ports or real:
+        session = assembly.connect(robot, ports, real=real, rate_hz=rate, log=log, torque=_HANGING if hang else 1.0)
+    elif hang:
+        raise UsageError("--hang is for a robot on a bus: name it with --port, or say --real")
+    else:
+        session = assembly.simulate(robot, rate_hz=rate, seed=seed, log=log)
+    outing = Outing(session, plan, film=gif is not None, view=view)
     code = _go(outing, json)
     if gif is not None:
         with progress_line() as progress:
@@ -96,6 +113,16 @@ def walk(
         complain("the robot fell")
         code = SafetyStop.exit_code
     return code
+
+
+def _ports(words: list[str]) -> dict[str, str]:
+    ports = {}
+    for word in words:
+        bus, separator, url = word.partition("=")
+        if not (bus and separator and url):
+            raise UsageError(f"--port should be BUS=URL, such as legs=/dev/ttyUSB0, not {word!r}")
+        ports[bus] = url
+    return ports
 
 
 def _go(outing: Outing, json: bool) -> int:
@@ -125,7 +152,8 @@ def _show(fields: dict[str, Any]) -> None:
     say(f"{fields['robot']}, {fields['gait']}: {fields['distance_m']:.3f} m in {fields['duration_s']:.1f} s "
         f"({fields['speed_mps']:.3f} m/s)")
     say(f"  ended at x {moved['x']:+.3f} m, y {moved['y']:+.3f} m, turned {moved['yaw_deg']:+.1f} deg")
-    say(f"  largest tilt {fields['max_tilt_deg']:.1f} deg, lowest {1e3 * fields['min_height_m']:.0f} mm, "
+    tilt = f"largest tilt {fields['max_tilt_deg']:.1f} deg, " if fields["max_tilt_deg"] is not None else ""
+    say(f"  {tilt}lowest {1e3 * fields['min_height_m']:.0f} mm, "
         f"{'FELL' if fields['fell'] else 'no fall'}")
     say(f"  {fields['ticks']} ticks at {fields['rate_hz']} Hz, {lost} lost replies, "
         f"{fields['realtime_factor']:.1f} times real time")

@@ -112,6 +112,13 @@ class RobotConfig(Section):
 Sector = tuple[Annotated[float, Field(ge=0, lt=1)], Annotated[float, Field(gt=0, lt=2)]]
 
 
+class BalanceConfig(Section):
+    """How the body is shifted over the feet that stand, for gaits that would tip the robot otherwise."""
+
+    margin_mm: Positive  # of the centre of mass to the edge of their polygon
+    acceleration_mps2: Positive  # of the shift; lift-offs wait for its end
+
+
 class GaitConfig(Section):
     """One file of `configs/gaits`: the swing sectors of each foot's circle, in turns (PPS section 3)."""
 
@@ -119,4 +126,5 @@ class GaitConfig(Section):
     name: str
     description: str
     slowest_period_s: Positive
+    balance: BalanceConfig | None = None  # None: the body keeps to its course
     swing: Annotated[dict[str, Annotated[list[Sector], Field(min_length=1)]], Field(min_length=3)]

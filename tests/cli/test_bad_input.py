@@ -23,7 +23,7 @@ HEXAPOD = (library.root() / "robots" / "hexapod.yaml").read_text()
     (["walk", "hexapod", "--speed", "nan"], 2, "--speed should be a finite number, not nan"),
     (["walk", "hexapod", "--turn", "inf"], 2, "--turn should be a finite number, not inf"),
     (["walk", "hexapod", "--duration", "-1"], 2, "--duration should not be negative, not -1.0"),
-    (["walk", "hexapod", "--height", "0.5"], 2, "height 0.5 m is outside 0.085 to 0.135 m of hexapod"),
+    (["walk", "hexapod", "--height", "0.5"], 2, "height 0.5 m is outside 0.095 to 0.135 m of hexapod"),
     (["walk", "hexapod", "--turn", "5", "--heading", "5"], 2, "--turn and --heading exclude each other"),
     (["walk", "hexapod", "--rate", "5"], 2, "the rate should be 10 to 1000 Hz, not 5"),
     (["walk", "hexapod", "--gif", "no/such/folder/walk.gif"], 2, "no/such/folder"),

@@ -85,7 +85,9 @@ def test_list_names_everything_that_is_bundled(robotwalk: Run, kind: library.Kin
 
 def test_list_gaits_tells_which_robots_each_fits(robotwalk: Run) -> None:
     rows = {row["name"]: row["robots"] for row in robotwalk("list", "gaits", "--json").json["gaits"]}
-    assert rows == {"ripple": ["hexapod"], "tripod": ["hexapod"], "wave": ["hexapod"]}
+    assert rows == {
+        "crawl": ["quadruped"], "trot": ["quadruped"],
+        "ripple": ["hexapod"], "tripod": ["hexapod"], "wave": ["hexapod"]}
 
 
 def test_check_passes_the_bundled_robot(robotwalk: Run) -> None:

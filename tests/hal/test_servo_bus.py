@@ -13,8 +13,9 @@ from hal.servo_bus import SerialServoBus
 from hal.servo_line import ServoLine, Wired
 from robotwalk.assembly import load_servo
 from robotwalk.errors import BusError
-from sim_backend.dynamixel_device import DynamixelDevice, Reply
-from sim_backend.fake_servo import FakeServo
+from sim_backend.device import Reply
+from sim_backend.dynamixel_device import DynamixelDevice
+from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.simulated_clock import SimulatedClock
 from sim_backend.wire import SimulatedPort
@@ -47,7 +48,7 @@ class Rig(NamedTuple):
     bus: SerialServoBus
     device: Device
     clock: SimulatedClock
-    servos: list[FakeServo]
+    servos: list[DynamixelServo]
     physics: ServoPhysics
     line: ServoLine
 
@@ -60,12 +61,14 @@ def rig(firmware: int = FAST) -> Rig:
     clock = SimulatedClock()
     physics = ServoPhysics([MODEL] * COUNT)
     servos = [
-        FakeServo(physics, i, id=i + 1, baud_rate=3, return_delay_time=0, firmware_version=firmware)
+        DynamixelServo(physics, i, id=i + 1, baud_rate=3, return_delay_time=0, firmware_version=firmware)
         for i in range(COUNT)]
     device = Device(DynamixelDevice(servos))
     port = SimulatedPort(clock, device, 1_000_000)
     wired = [
-        Wired(f"j{i}", i, i + 1, MODEL, Calibration(-1 if i == 1 else 1, 0.5 if i == 2 else 0.0, 2048, TICK))
+        Wired(
+            f"j{i}", f"limb{i // 2}", i, i + 1, MODEL,
+            Calibration(-1 if i == 1 else 1, 0.5 if i == 2 else 0.0, 2048, TICK), -1.0, 1.0)
         for i in range(COUNT)]
     line = ServoLine("legs", port, 1_000_000, dynamixel_protocol, wired)
     built = Rig(SerialServoBus([f"j{i}" for i in range(COUNT)], [line], clock), device, clock, servos, physics, line)
@@ -75,7 +78,7 @@ def rig(firmware: int = FAST) -> Rig:
 
 def armed(firmware: int = FAST) -> Rig:
     built = rig(firmware)
-    built.bus.arm()
+    built.bus.arm(PERIOD)
     built.device.heard.clear()
     return built
 
@@ -84,7 +87,7 @@ def armed(firmware: int = FAST) -> Rig:
 def test_arming_holds_where_the_shafts_are_and_switches_torque_on(firmware: int) -> None:
     built = rig(firmware)
     built.hold([100 * TICK, -200 * TICK, 0.0, 0.0, 0.0])
-    state = built.bus.arm()
+    state = built.bus.arm(PERIOD)
     assert state.valid == (True,) * COUNT
     # j1 turns the other way round, j2 reads its centre at half a radian.
     assert state.position == pytest.approx((100 * TICK, 200 * TICK, 0.5, 0.0, 0.0))
@@ -92,14 +95,55 @@ def test_arming_holds_where_the_shafts_are_and_switches_torque_on(firmware: int)
     assert [servo.table["torque_enable"] for servo in built.servos] == [1] * COUNT
 
 
-def test_goals_are_written_before_torque_comes_on() -> None:
+def writes(built: Rig) -> list[bytes]:
+    """The writes and sync writes that were sent, from the instruction on, without CRC."""
+    frames = [data[7:] for data in built.device.heard]
+    return [frame[:-2] for frame in frames if frame[0] in (0x03, 0x83)]
+
+
+def test_torque_comes_gently_limb_by_limb_after_the_goals() -> None:
     built = rig()
     built.hold([100 * TICK] * COUNT)
-    built.bus.arm()
-    sent = [data for data in built.device.heard if b"\x03" in data[7:8] or b"\x83" in data[7:8]]
-    sync_write, first_torque = sent[0], sent[1]
-    assert sync_write[7:12] == b"\x83\x74\x00\x04\x00"
-    assert first_torque[7:11] == b"\x03\x40\x00\x01"
+    built.bus.arm(PERIOD)
+    # A fifth of the largest PWM of 885 counts to everybody, then the goals, then torque, then more and more.
+    cap, goals, *torque = writes(built)[: 2 + COUNT]
+    assert cap == b"\x83\x64\x00\x02\x00" + b"".join(bytes((i, 177, 0)) for i in (1, 2, 3, 4, 5))
+    assert goals[:9] == b"\x83\x74\x00\x04\x00\x01\x64\x08\x00"
+    assert torque == [b"\x03\x40\x00\x01"] * COUNT
+    caps = [int.from_bytes(frame[6:8], "little") for frame in writes(built)[2 + COUNT : -1]]
+    assert caps == [354, 531, 708, 885]
+    assert [servo.table["goal_pwm"] for servo in built.servos] == [885] * COUNT
+
+
+def test_a_share_of_torque_stays_a_share() -> None:
+    built = rig()
+    built.bus.arm(PERIOD, torque=0.35)
+    assert [servo.table["goal_pwm"] for servo in built.servos] == [310] * COUNT
+
+
+def test_a_robot_that_stands_on_its_torque_keeps_it() -> None:
+    built = armed()
+    built.hold([30 * TICK] * COUNT)
+    built.bus.arm(PERIOD)
+    assert all(frame[:3] != b"\x03\x40\x00" for frame in writes(built)), "torque was never touched"
+    assert all(frame[:3] != b"\x83\x64\x00" for frame in writes(built)), "nor made weak"
+    assert [servo.table["goal_position"] for servo in built.servos] == [2078] * COUNT
+
+
+def test_a_joint_outside_its_limits_is_not_armed() -> None:
+    built = rig()
+    built.hold([0.0, 0.0, 0.0, 1.2, 0.0])
+    with pytest.raises(BusError, match=r"j3 \(id 4\) on bus legs stands at 69 deg, outside the joint's -57 to 57 deg"):
+        built.bus.arm(PERIOD)
+    assert [servo.table["torque_enable"] for servo in built.servos] == [0] * COUNT
+
+
+def test_an_adapter_that_holds_replies_back_is_told_with_the_rate_that_it_allows() -> None:
+    built = rig()
+    built.device.tamper = lambda replies: [Reply(reply.delay_ns + 16_000_000, reply.data) for reply in replies]
+    with pytest.raises(BusError, match=r"cannot be read at 100 Hz: .* 16 ms .*latency_timer.*--rate 51 is the most"):
+        built.bus.arm(PERIOD)
+    assert built.bus.arm(1_000_000_000 // 50).valid == (True,) * COUNT
 
 
 def test_a_tick_is_one_sync_write_and_one_fast_sync_read() -> None:
@@ -235,7 +279,7 @@ def test_a_missing_servo_is_named_and_nothing_is_armed() -> None:
     built.servos[3].table["id"] = 77
     built.servos[3].write(65, b"\x00")  # any write makes the firmware look at its settings
     with pytest.raises(BusError, match=r"no answer on bus legs from j3 \(id 4\)\.$"):
-        built.bus.arm()
+        built.bus.arm(PERIOD)
     assert [servo.table["torque_enable"] for servo in built.servos] == [0] * COUNT
 
 
@@ -243,8 +287,8 @@ def test_a_servo_with_a_hardware_error_is_not_armed() -> None:
     built = rig()
     built.physics.temperature_c[2] = 90.0
     built.physics.step(np.zeros(COUNT), np.zeros(COUNT), 20_000_000)
-    with pytest.raises(BusError, match=r"j2 \(id 3, bus legs\) reports a hardware error"):
-        built.bus.arm()
+    with pytest.raises(BusError, match=r"j2 \(id 3\) on bus legs reports a hardware error"):
+        built.bus.arm(PERIOD)
     assert [servo.table["torque_enable"] for servo in built.servos] == [0] * COUNT
 
 

@@ -51,8 +51,19 @@ def test_a_sector_may_run_past_the_top_of_the_circle(gaits: dict[str, Gait]) -> 
     assert sector.progress(0.5) >= 1.0
 
 
-def test_how_many_feet_swing_together(gaits: dict[str, Gait]) -> None:
-    assert {name: gait.most_swinging for name, gait in gaits.items()} == {"tripod": 3, "ripple": 2, "wave": 1}
+def test_which_feet_may_be_in_the_air_together(hexapod: RobotModel, gaits: dict[str, Gait]) -> None:
+    legs = [leg.name for leg in hexapod.legs]
+
+    def together(gait: str, *feet: str) -> bool:
+        return gaits[gait].lifts_together({legs.index(foot) for foot in feet})
+
+    assert together("tripod", "lf", "rm", "lr")
+    assert together("tripod", "lf", "rm")
+    assert not together("tripod", "lf", "lm")
+    assert together("ripple", "lr", "rf")
+    assert not together("ripple", "lr", "rf", "lm")
+    assert together("wave", "rm")
+    assert not together("wave", "rm", "lf")
 
 
 def test_a_foot_may_swing_twice_a_turn(hexapod: RobotModel) -> None:

@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hal.register_map import ServoModel
-from sim_backend.dynamixel_device import DynamixelDevice, Reply
-from sim_backend.fake_servo import FakeServo
+from sim_backend.device import Reply
+from sim_backend.dynamixel_device import DynamixelDevice
+from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.servo_physics import ServoPhysics
 
 CONFIG = Path(__file__).parents[2] / "configs" / "servos" / "xl430-w250.yaml"
@@ -24,7 +25,7 @@ class Bus:
     def __init__(self, *ids: int, model: ServoModel = MODEL, **factory_settings: int) -> None:
         settings = {"baud_rate": 3, **factory_settings}
         self.physics = ServoPhysics([model] * len(ids))
-        self.servos = [FakeServo(self.physics, i, id=servo_id, **settings) for i, servo_id in enumerate(ids)]
+        self.servos = [DynamixelServo(self.physics, i, id=servo_id, **settings) for i, servo_id in enumerate(ids)]
         self.device = DynamixelDevice(self.servos)
         self.now = 10 * MS
         self.place(*[2048] * len(ids))

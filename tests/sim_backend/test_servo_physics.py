@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from hal.register_map import ServoModel
-from sim_backend.fake_servo import FakeServo
+from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.servo_physics import ServoPhysics
 
 CONFIG = Path(__file__).parents[2] / "configs" / "servos" / "xl430-w250.yaml"
@@ -36,7 +36,7 @@ class Bench:
 
     def __init__(self, model: ServoModel = MODEL, **factory_settings: int) -> None:
         self.physics = ServoPhysics([model])
-        self.servo = FakeServo(self.physics, 0, **factory_settings)
+        self.servo = DynamixelServo(self.physics, 0, **factory_settings)
         self.now = 0
 
     def write(self, **registers: int) -> None:
@@ -391,7 +391,7 @@ def test_a_driven_motor_gives_no_energy_back() -> None:
 def test_servos_of_one_robot_do_not_mix() -> None:
     strong = servo_model(motor={"torque_constant_nm_per_a": 3.4924, "coulomb_nm": 0.1})
     physics = ServoPhysics([MODEL, strong, MODEL])
-    servos = [FakeServo(physics, index, id=index + 1, operating_mode=16) for index in range(3)]
+    servos = [DynamixelServo(physics, index, id=index + 1, operating_mode=16) for index in range(3)]
     for servo, pwm in zip(servos, (885, 885, -442), strict=True):
         servo.write(64, b"\1")
         servo.write(100, pwm.to_bytes(2, "little", signed=True))
@@ -404,7 +404,7 @@ def test_servos_of_one_robot_do_not_mix() -> None:
 def test_one_servo_with_a_profile_leaves_the_others_as_they_are() -> None:
     def torque(profile_velocity: int) -> float:
         physics = ServoPhysics([MODEL] * 2)
-        servos = [FakeServo(physics, index, id=index + 1) for index in range(2)]
+        servos = [DynamixelServo(physics, index, id=index + 1) for index in range(2)]
         for servo in servos:
             servo.write(64, b"\1")
         servos[0].write(112, profile_velocity.to_bytes(4, "little"))

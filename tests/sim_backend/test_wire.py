@@ -1,6 +1,6 @@
 """Bytes take their time."""
 
-from sim_backend.dynamixel_device import Reply
+from sim_backend.device import Reply
 from sim_backend.simulated_clock import SimulatedClock
 from sim_backend.wire import SimulatedPort
 

@@ -8,7 +8,7 @@ from robotwalk import assembly
 from robotwalk.errors import BusError, SafetyStop
 from robotwalk.loop import Tick
 from robotwalk.supervisor import State
-from sim_backend.dynamixel_device import Reply
+from sim_backend.device import Reply
 
 Tamper = Callable[[list[Reply], int], list[Reply]]
 

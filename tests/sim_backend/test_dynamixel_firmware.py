@@ -6,8 +6,8 @@ import pytest
 import yaml
 
 from hal.register_map import ServoModel
-from sim_backend.control_table import StatusError
-from sim_backend.fake_servo import FakeServo
+from sim_backend.dynamixel_firmware import DynamixelServo
+from sim_backend.dynamixel_table import StatusError
 from sim_backend.servo_physics import ServoPhysics
 
 CONFIG = Path(__file__).parents[2] / "configs" / "servos" / "xl430-w250.yaml"
@@ -25,7 +25,7 @@ class Bench:
         self.now = 0
         self.shaft = at - 2048
         self.run(0)
-        self.servo = FakeServo(self.physics, 0, **factory_settings)
+        self.servo = DynamixelServo(self.physics, 0, **factory_settings)
 
     def run(self, ms: int, at: int | None = None) -> float:
         """Let time pass, the shaft held at a position as the factory counts it; return the torque."""

@@ -1,0 +1,172 @@
+"""The bench: one serial line, and what is done with single servos on it. Any brand."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+from hal import backup, factory_reset, scan
+from hal.dialogue import Dialogue, Heard
+from hal.encoding import pack
+from hal.identity import Identity, identify
+from hal.protocols import protocol_of
+from hal.register_map import ServoModel
+from hal.sdk_port import SdkPort
+from hal.servo import Servo, found
+from hal.tunable_port import TunablePort
+from hal.vendor_sdk import Keep
+from hal.vendors import vendor_sdk
+from robotwalk.errors import BusError, ServoError
+from robotwalk.ports import Clock
+
+_NS = 1_000_000_000
+_FACTORY_BAUDS = (1_000_000, 57_600)  # of most servos that one meets, or of most robots: looked at first
+_STARTING = 3 * _NS  # for a servo to come back from a reboot
+_SHORT = 20_000_000  # ns of patience with a servo that may be starting
+_RESTARTED_BY = _NS // 2  # a servo that was never silent until then has not restarted
+_GAP = 2_000_000  # ns behind a broadcast
+_TORQUE = "torque_enable"
+
+
+class Found(NamedTuple):
+    """A servo that answered a ping."""
+
+    identity: Identity
+    round_trip: float  # s
+
+
+class Bench:
+    """A line that nobody else uses, with servos of one protocol or another.
+
+    Attributes:
+        clock: by which it waits.
+    """
+
+    def __init__(self, port: TunablePort, clock: Clock, models: Iterable[ServoModel]) -> None:
+        """Take the models that may be there; their protocols are those that are tried."""
+        self.clock = clock
+        self._port = port
+        self._models: dict[str, list[ServoModel]] = {}
+        for model in models:
+            self._models.setdefault(model.protocol, []).append(model)
+        self._dialogues = {
+            name: Dialogue(port, clock, protocol_of(models[0])) for name, models in self._models.items()}
+
+    def bauds(self) -> list[int]:
+        """Return every baud rate that a model has, the common ones first."""
+        known = {baud for models in self._models.values() for model in models for baud in model.baud_rates}
+        return sorted(known, key=lambda baud: (baud not in _FACTORY_BAUDS, -baud))
+
+    def scan(self, baud: int) -> Iterator[scan.Finding]:
+        """Look for servos at one baud rate, in each protocol that has it.
+
+        Raises:
+            BusError: the adapter does not have it.
+        """
+        self._port.baud = baud
+        for name, models in self._models.items():
+            if any(baud in model.baud_rates for model in models):
+                yield from scan.scan(self._dialogues[name], models)
+
+    def ping(self, servo_id: int) -> Found:
+        """Find out who has an id.
+
+        Raises:
+            BusError: nobody, or more than one.
+        """
+        doubtful = Heard()
+        for _ in range(2):  # a servo may lose the frame behind one of another brand
+            for name, dialogue in self._dialogues.items():
+                heard = dialogue.ping(servo_id)
+                if heard.alone(servo_id):
+                    identity = identify(dialogue, self._models[name], heard.statuses[0])
+                    return Found(identity, heard.took / _NS)
+                doubtful = doubtful if heard.silent else heard
+        raise next(iter(self._dialogues.values())).nobody(servo_id, doubtful)
+
+    def servo(self, servo_id: int) -> Servo:
+        """Return the servo that has an id.
+
+        Raises:
+            BusError: nobody has, more than one, or one of a model that is not known.
+        """
+        return self._servo(self.ping(servo_id).identity)
+
+    def servos(self, ids: Sequence[int] = ()) -> list[Servo]:
+        """Return the servos that have these ids, by default all on the line. Raises BusError as `servo` does."""
+        if ids:
+            return [self.servo(servo_id) for servo_id in dict.fromkeys(ids)]
+        findings = list(self.scan(self._port.baud))
+        for finding in findings:
+            if isinstance(finding, scan.Clash | scan.Noise):
+                raise BusError(str(finding))
+        everybody = [self._servo(finding) for finding in findings if isinstance(finding, Identity)]
+        if not everybody:
+            raise BusError(f"no servo answers at {self._port.baud} baud")
+        return everybody
+
+    def torque_off(self, ids: Sequence[int] = ()) -> list[Servo]:
+        """Switch torque off, by default of all on the line, and check it; return the servos.
+
+        Raises:
+            BusError: a servo does not answer, or nobody does.
+            ServoError: torque is still on.
+        """
+        if not ids:
+            self._broadcast_torque_off()
+        servos = self.servos(ids)
+        for servo in servos:
+            if servo.read(_TORQUE):
+                servo.write(_TORQUE, 0)
+        on = [str(servo) for servo in servos if servo.read(_TORQUE)]
+        if on:
+            raise ServoError(f"torque is still on: {', '.join(on)}")
+        return servos
+
+    def reboot(self, servo: Servo) -> float:
+        """Restart a servo and wait until it answers again; return after how many seconds.
+
+        Raises:
+            BusError: it does not come back.
+            ServoError: it refuses, or shows no sign of having restarted.
+        """
+        dialogue, protocol = servo.dialogue, servo.dialogue.protocol
+        began = self.clock.now()
+        status = dialogue.exchange(protocol.reboot(servo.id), _SHORT, until=(servo.id,)).of(servo.id)
+        if status and status.error:
+            raise ServoError(f"{servo} refuses to reboot: {protocol.describe_error(status.error)}")
+        silent = False
+        while self.clock.now() < began + _STARTING:
+            if not dialogue.ping(servo.id, _SHORT).of(servo.id):
+                silent = True
+            elif silent:
+                return (self.clock.now() - began) / _NS
+            elif self.clock.now() > began + _RESTARTED_BY:
+                raise ServoError(
+                    f"{servo} answers as if nothing had been said: its firmware seems not to know the instruction. "
+                    "Switch its power off and on")
+        raise BusError(f"{servo} was told to reboot and does not answer again")
+
+    def backup(self, servo: Servo, time: str) -> backup.Backup:
+        """Read a servo's EEPROM through its vendor's SDK. Raises as `backup.take` does."""
+        return backup.take(self._through_sdk(servo), time)
+
+    def restore(self, servo: Servo, saved: backup.Backup, *, with_id: bool) -> backup.Restored:
+        """Bring an EEPROM back through the vendor's SDK. Raises as `backup.restore` does."""
+        return backup.restore(self._through_sdk(servo), saved, with_id=with_id)
+
+    def factory_reset(self, servo: Servo, keep: Keep) -> factory_reset.Reset:
+        """Reset a servo through its vendor's SDK. Raises as `factory_reset.factory_reset` does."""
+        sdk = vendor_sdk(servo.model, SdkPort(self._port, self.clock))
+        return factory_reset.factory_reset(servo, sdk, keep)
+
+    def _through_sdk(self, servo: Servo) -> Servo:
+        return servo.over(vendor_sdk(servo.model, SdkPort(self._port, self.clock)))
+
+    def _servo(self, identity: Identity) -> Servo:
+        return found(self._dialogues[identity.protocol], identity, self._models[identity.protocol])
+
+    def _broadcast_torque_off(self) -> None:
+        """Let everybody go at once. Twice: nobody acknowledges a broadcast."""
+        for name, dialogue in [*self._dialogues.items()] * 2:
+            for row in dict.fromkeys(model[_TORQUE] for model in self._models[name]):
+                protocol = dialogue.protocol
+                dialogue.exchange(protocol.write(protocol.BROADCAST_ID, row.address, pack(row, 0)), _GAP)

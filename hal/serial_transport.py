@@ -1,0 +1,113 @@
+"""Serial lines by URL: a device file, or anything else that pyserial opens (`socket://host:port`)."""
+
+import contextlib
+import errno
+import os
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import serial
+
+from hal.echo import EchoFilter
+from hal.tunable_port import TunablePort
+from robotwalk.errors import BusError
+
+_CHUNK = 4096  # bytes; more than any reply
+_LOOPBACK = ("localhost", "127.0.0.1", "::1")
+
+
+def names_hardware(url: str) -> bool:
+    """Tell whether a URL leads to what may be a physical robot: a pseudo-terminal, and a socket here, do not."""
+    if "://" in url:
+        return not (url.startswith("socket://") and urlsplit(url).hostname in _LOOPBACK)
+    return os.path.exists(url) and not os.path.realpath(url).startswith("/dev/pts/")
+
+
+def open_port(url: str, baud: int) -> TunablePort:
+    """Open a line for us alone, with as little latency as its adapter allows, its stale bytes thrown away.
+
+    Raises:
+        BusError: it cannot be opened; says why, and what may help.
+    """
+    try:
+        line = serial.serial_for_url(url, baudrate=baud, timeout=0, exclusive=True)
+    except (serial.SerialException, ValueError, OSError) as error:
+        raise BusError(f"cannot open {url}: {_reason(url, error)}") from error
+    if hasattr(line, "set_low_latency_mode"):
+        # Pseudo-terminals and many adapters have nothing to set.
+        with contextlib.suppress(ValueError, OSError):
+            line.set_low_latency_mode(True)
+    line.reset_input_buffer()
+    return EchoFilter(SerialPort(url, line))
+
+
+class SerialPort:
+    """A `TunablePort` over pyserial."""
+
+    def __init__(self, url: str, line: serial.SerialBase) -> None:
+        self._url = url
+        self._line = line
+        self._fileno: int = line.fileno()
+
+    @property
+    def baud(self) -> int:
+        """The baud rate. Setting it waits until what was written has left, and throws away what has come."""
+        return int(self._line.baudrate)
+
+    @baud.setter
+    def baud(self, baud: int) -> None:
+        try:
+            self._line.flush()
+            self._line.baudrate = baud
+            self._line.reset_input_buffer()
+        except (serial.SerialException, ValueError, OSError) as error:
+            raise BusError(f"{self._url} cannot be set to {baud} baud: {error}") from error
+
+    def fileno(self) -> int:
+        """Return the descriptor to poll."""
+        return self._fileno
+
+    def write(self, data: bytes) -> None:
+        """Send bytes.
+
+        Raises:
+            BusError: the line is gone.
+        """
+        try:
+            self._line.write(data)
+        except (serial.SerialException, OSError) as error:
+            raise BusError(f"{self._url} is gone: {error}") from error
+
+    def waiting(self) -> int:
+        """Return how many bytes can be read (over a socket: 1 for any)."""
+        return int(self._line.in_waiting)
+
+    def read(self) -> bytes:
+        """Return the bytes that have come.
+
+        Raises:
+            BusError: the line is gone.
+        """
+        try:
+            data: bytes = self._line.read(_CHUNK)
+        except (serial.SerialException, OSError) as error:
+            raise BusError(f"{self._url} is gone: {error}") from error
+        return data
+
+    def close(self) -> None:
+        """Give the line back."""
+        self._line.close()
+
+
+def _reason(url: str, error: Exception) -> str:
+    """Say why a port does not open, and what may help."""
+    number = getattr(error, "errno", None)
+    if number == errno.ENOENT or (number is None and not url.startswith("socket://") and not Path(url).exists()):
+        return "there is no such port; is the adapter plugged in?"
+    if number in (errno.EACCES, errno.EPERM):
+        return "permission denied; add yourself to the port's group: sudo usermod -aG dialout $USER, then log in again"
+    if number in (errno.EBUSY, errno.EAGAIN) or "exclusively lock" in str(error):
+        return "another program has it open"
+    if number == errno.ECONNREFUSED or "refused" in str(error):
+        return "nobody listens there"
+    return str(error)

@@ -1,0 +1,64 @@
+"""`robotwalk sim`: the simulated robot as a device, for any program that speaks to servos."""
+
+import json
+import math
+import sys
+from pathlib import Path
+
+from robotwalk import assembly
+from robotwalk.cli.output import complain, say
+from robotwalk.errors import UsageError
+from robotwalk.interrupts import Interrupts
+
+
+def sim(
+    robot: str,
+    /,
+    *,
+    pty: Path | None = None,
+    tcp: str | None = None,
+    adapter: assembly.AdapterName = "none",
+    truth: Path | None = None,
+    duration: float | None = None,
+    seed: int = 0,
+) -> None:
+    """Serve the simulated robot as a device in real time: seated, torque off, one serial port per bus.
+
+    One JSON line on stdout says when it serves, and where. It serves until --duration is over or a signal comes.
+
+    Parameters
+    ----------
+    robot
+        A bundled name (see `robotwalk list robots`), or the path of a YAML file.
+    pty
+        Make a pseudo terminal for each bus and link it as DIR/BUS. Its servos hear what is sent at their baud rate.
+    tcp
+        Instead, listen at HOST:PORT, the next bus at the port after it. Only on this computer.
+    adapter
+        What delays the replies as a USB adapter does, or echoes as a bare UART.
+    truth
+        Write what really happens to this file, as JSON lines at 50 Hz.
+    duration
+        Seconds; default: until told to end.
+    seed
+        Of the simulation.
+    """
+    if (pty is None) == (tcp is None):
+        raise UsageError("say where to serve: either --pty DIR or --tcp HOST:PORT")
+    if duration is not None and not (math.isfinite(duration) and duration > 0.0):
+        raise UsageError(f"--duration should be a number of seconds above 0, not {duration}")
+    if seed < 0:
+        raise UsageError(f"--seed should not be negative, not {seed}")
+    interrupts = Interrupts()
+    interrupts.install()
+    try:
+        assembly.serve(
+            robot, pty=pty, tcp=tcp, adapter=adapter, seed=seed, truth=truth, seconds=duration,
+            ready=_announce, check=interrupts.check, warn=complain)
+    finally:
+        interrupts.restore()
+
+
+def _announce(buses: dict[str, str]) -> None:
+    say(json.dumps({"ready": True, "buses": buses}))
+    sys.stdout.flush()

@@ -1,0 +1,99 @@
+"""Balance, seen from above: the centre of mass, and the polygon of the feet that stand."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from robotwalk.kinematics import chain_points
+from robotwalk.model import RobotModel
+from robotwalk.types import Vec3
+
+_ROUNDING = 1e-9  # m
+
+
+class HalfPlane(NamedTuple):
+    """The points (x, y) with nx x + ny y >= bound; the normal is a unit vector."""
+
+    nx: float
+    ny: float
+    bound: float  # m
+
+
+def centre_of_mass(model: RobotModel, angles: Sequence[float]) -> Vec3:
+    """Return the centre of mass in the base frame, m; a link's is at its middle, the body's at its origin."""
+    x = y = z = 0.0
+    for leg in model.legs:
+        points = chain_points(leg, angles[leg.span])
+        for joint, near, far in zip(leg.joints, points, points[1:], strict=False):
+            x += joint.mass * 0.5 * (near.x + far.x)
+            y += joint.mass * 0.5 * (near.y + far.y)
+            z += joint.mass * 0.5 * (near.z + far.z)
+        foot = points[-1]
+        x, y, z = x + model.foot_mass * foot.x, y + model.foot_mass * foot.y, z + model.foot_mass * foot.z
+    return Vec3(x / model.mass, y / model.mass, z / model.mass)
+
+
+def support_polygon(feet: Iterable[Vec3]) -> list[HalfPlane]:
+    """Return the sides of the feet's convex hull, the inside of each; none if the feet are in a line."""
+    hull = _convex_hull([(foot.x, foot.y) for foot in feet])
+    if len(hull) < 3:
+        return []
+    sides = []
+    for (ax, ay), (bx, by) in zip(hull, [*hull[1:], hull[0]], strict=True):
+        length = math.hypot(bx - ax, by - ay)
+        nx, ny = (ay - by) / length, (bx - ax) / length
+        sides.append(HalfPlane(nx, ny, nx * ax + ny * ay))
+    return sides
+
+
+def support_margin(feet: Sequence[Vec3], point: Vec3) -> float:
+    """Return how far a point lies inside the convex hull of the feet, seen from above, m; negative outside."""
+    sides = support_polygon(feet)
+    return min((side.nx * point.x + side.ny * point.y - side.bound for side in sides), default=-math.inf)
+
+
+def nearest_inside(x: float, y: float, planes: Sequence[HalfPlane]) -> tuple[float, float] | None:
+    """Return the point nearest to (x, y) that is in all half-planes; None if they have none in common.
+
+    Planes are added one by one. Where the nearest point so far is outside a new one, the nearest point now lies
+    on its edge (Seidel 1991).
+    """
+    px, py = x, y
+    for index, (nx, ny, bound) in enumerate(planes):
+        if nx * px + ny * py >= bound - _ROUNDING:
+            continue
+        # Along the edge from the foot of the perpendicular: p = foot + t (-ny, nx).
+        short = bound - nx * x - ny * y
+        fx, fy = x + nx * short, y + ny * short
+        low, high = -math.inf, math.inf
+        for mx, my, other in planes[:index]:
+            slope = my * nx - mx * ny
+            room = mx * fx + my * fy - other
+            if slope > _ROUNDING:
+                low = max(low, -room / slope)
+            elif slope < -_ROUNDING:
+                high = min(high, -room / slope)
+            elif room < -_ROUNDING:
+                return None
+        if low > high:
+            return None
+        t = min(max(0.0, low), high)
+        px, py = fx - ny * t, fy + nx * t
+    return px, py
+
+
+def _convex_hull(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return the hull counter-clockwise (Andrew's monotone chain)."""
+    ordered = sorted(set(points))
+
+    def chain(sequence: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+        hull: list[tuple[float, float]] = []
+        for p in sequence:
+            while len(hull) >= 2 and (
+                (hull[-1][0] - hull[-2][0]) * (p[1] - hull[-2][1]) - (hull[-1][1] - hull[-2][1]) * (p[0] - hull[-2][0])
+            ) <= 0.0:
+                hull.pop()
+            hull.append(p)
+        return hull[:-1]
+
+    return chain(ordered) + chain(ordered[::-1]) if len(ordered) > 2 else list(ordered)

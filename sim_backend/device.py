@@ -1,0 +1,105 @@
+"""What hangs on the far end of a wire, whatever its protocol: bytes in, replies out.
+
+Not modelled: collisions. Of servos that share an id all obey, and the first one's answer is heard unharmed.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import NamedTuple, Protocol, TypeVar
+
+from sim_backend.fake_servo import FakeServo
+
+_GAP_NS = 1_500_000  # a longer pause inside a frame drops it (e-Manual, Protocol 2.0; assumed of other brands)
+_PING_SLOT_NS = 3_000_000  # per id, after a broadcast ping: what the hosts' libraries of either brand allow for
+_BITS_PER_BYTE = 10  # 8N1
+_NS = 1_000_000_000
+
+Servo = TypeVar("Servo", bound=FakeServo)
+
+
+class Reply(NamedTuple):
+    """A burst of bytes from the bus."""
+
+    delay_ns: int  # after the end of the reply before it, or of the instruction
+    data: bytes
+
+
+class Device(Protocol):
+    """All that hangs on the far end of a wire."""
+
+    def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
+        """Take bytes, the last of which arrives at `now` ns; return what is answered, in order."""
+        ...
+
+
+class Packet(NamedTuple):
+    """An instruction as received."""
+
+    id: int
+    instruction: int
+    parameters: bytes
+    intact: bool = True  # whether its checksum is right
+
+
+class InstructionParser(ABC):
+    """Finds frames in what arrives on the wire, piece by piece."""
+
+    def __init__(self) -> None:
+        self._buffer = bytearray()
+        self._last_byte_at = 0
+
+    def feed(self, data: bytes, now: int, byte_ns: int) -> Iterator[Packet]:
+        """Take bytes, without pauses between them, the last of which arrives at `now`; yield whole frames."""
+        if now - len(data) * byte_ns - self._last_byte_at > _GAP_NS:
+            self._buffer.clear()
+        self._last_byte_at = now
+        self._buffer += data
+        while (packet := self._next()) is not None:
+            yield packet
+
+    @abstractmethod
+    def _next(self) -> Packet | None:
+        """Take the first whole frame off the buffer, and what lies before it."""
+
+
+def byte_time(baud: int) -> int:
+    """Return how long a byte is on the wire, ns."""
+    return _BITS_PER_BYTE * _NS // baud
+
+
+def by_id(servos: Iterable[Servo]) -> dict[int, Servo]:
+    """Return the servos by their ids; of several with one id, the first."""
+    found: dict[int, Servo] = {}
+    for servo in servos:
+        found.setdefault(servo.id, servo)
+    return found
+
+
+def answers_in_slots(answers: Mapping[int, Reply], byte_ns: int) -> list[Reply]:
+    """Let every servo answer in the time slot of its id."""
+    replies = []
+    free_at = 0  # after the instruction's end, ns
+    for servo_id, (delay_ns, frame) in sorted(answers.items()):
+        starts = max(free_at, servo_id * _PING_SLOT_NS + delay_ns)
+        replies.append(Reply(starts - free_at, frame))
+        free_at = starts + len(frame) * byte_ns
+    return replies
+
+
+def answers_in_turn(
+    ids: Iterable[int], servos: Mapping[int, Servo], answer: Callable[[Servo], bytes | None]
+) -> list[Reply]:
+    """Let each servo listed answer behind the one before it, if that one does; a firmware may be more patient."""
+    replies: list[Reply] = []
+    broken = False  # whether a listed servo stayed silent
+    for servo_id in ids:
+        servo = servos.get(servo_id)
+        if servo is None:
+            broken = True
+        elif not broken or servo.later_ids_answer:
+            frame = answer(servo)
+            if frame is None:
+                broken = True
+            else:
+                replies.append(Reply(servo.return_delay_ns, frame))
+    return replies

@@ -1,0 +1,190 @@
+"""The device side of Feetech's protocol for STS servos: all servos of one bus, seen from the wire.
+
+    FF FF | id | length | instruction | parameters | checksum
+    FF FF | id | length | error | data | checksum               (status)
+
+The length counts from the instruction on. The checksum is the complement of the sum of all bytes between header and
+itself. Nothing keeps FF FF out of the data. Source: Feetech's FTServo SDK; the frame is that of Dynamixel Protocol 1.0.
+
+The error byte tells the servo's condition, and has no code for an instruction that is refused. What these servos do
+not understand (a wrong checksum, an instruction or parameters that they do not know) they answer with silence here: a
+plain status would say that all is well.
+"""
+
+import struct
+from collections.abc import Sequence
+from enum import IntEnum
+
+from sim_backend.device import InstructionParser, Packet, Reply, answers_in_slots, answers_in_turn, by_id, byte_time
+from sim_backend.sts_firmware import StsServo
+
+BROADCAST = 0xFE
+_HEADER = b"\xff\xff"
+_PROLOGUE = 4  # bytes up to the length's end
+_SHORTEST = 2  # length: instruction and checksum
+_INVALID_ID = 0xFF
+_LARGEST_DATA = 253  # bytes: what the length of a status can say
+_RANGE = struct.Struct("BB")  # address, length
+
+
+class Instruction(IntEnum):
+    """The instructions that these servos know."""
+
+    PING = 0x01
+    READ = 0x02
+    WRITE = 0x03
+    REG_WRITE = 0x04
+    ACTION = 0x05
+    RECOVERY = 0x06  # to the factory's settings
+    REBOOT = 0x08
+    RESET = 0x0A  # of the turns
+    SYNC_READ = 0x82
+    SYNC_WRITE = 0x83
+
+
+class FeetechParser(InstructionParser):
+    """Finds frames of this protocol."""
+
+    def _next(self) -> Packet | None:
+        buffer = self._buffer
+        while self._align():
+            end = _PROLOGUE + buffer[3]
+            if len(buffer) < end:
+                return None
+            if _checksum(buffer[2:end - 1]) == buffer[end - 1]:
+                packet = Packet(buffer[2], buffer[4], bytes(buffer[5:end - 1]))
+                del buffer[:end]
+                return packet
+            del buffer[0]  # its header may have been noise
+        return None
+
+    def _align(self) -> bool:
+        """Skip noise and false headers. Return whether a frame begins the buffer, its length known."""
+        buffer = self._buffer
+        while True:
+            start = buffer.find(_HEADER)
+            if start < 0:
+                del buffer[:max(0, len(buffer) - len(_HEADER) + 1)]
+                return False
+            del buffer[:start]
+            if len(buffer) < _PROLOGUE:
+                return False
+            if buffer[2] != _INVALID_ID and buffer[3] >= _SHORTEST:
+                return True
+            del buffer[0]
+
+
+class FeetechDevice:
+    """All servos of one bus; a `device.Device`."""
+
+    def __init__(self, servos: Sequence[StsServo]) -> None:
+        self._servos = tuple(servos)
+        self._parser = FeetechParser()
+
+    def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
+        """Take bytes, the last of which arrives at `now` ns; return what is answered, in order."""
+        byte_ns = byte_time(baud)
+        replies: list[Reply] = []
+        for packet in self._parser.feed(data, now, byte_ns):
+            listening = [servo for servo in self._servos if servo.listens(now, baud)]
+            replies += _answer(packet, listening, now, byte_ns)
+        return replies
+
+
+def _answer(packet: Packet, listening: list[StsServo], now: int, byte_ns: int) -> list[Reply]:
+    if packet.id != BROADCAST:
+        return _answer_one(packet, listening, now)
+    match packet.instruction:
+        case Instruction.PING:
+            answers = {
+                servo_id: Reply(servo.return_delay_ns, _status(servo_id, servo.error))
+                for servo_id, servo in by_id(listening).items()
+            }
+            return answers_in_slots(answers, byte_ns)
+        case Instruction.SYNC_READ:
+            return _sync_read(packet.parameters, listening)
+        case Instruction.SYNC_WRITE:
+            _sync_write(packet.parameters, listening)
+        case _:
+            for servo in listening:
+                _execute(servo, packet, now)
+    return []
+
+
+def _answer_one(packet: Packet, listening: list[StsServo], now: int) -> list[Reply]:
+    """Let the addressed servos obey."""
+    replies: list[Reply] = []
+    for servo in listening:
+        if servo.id != packet.id:
+            continue
+        # As they were before: a write may change these.
+        answers = servo.answers_writes or packet.instruction in (Instruction.PING, Instruction.READ)
+        delay, error = servo.return_delay_ns, servo.error
+        data = _execute(servo, packet, now)
+        if answers and data is not None and not replies:
+            replies.append(Reply(delay, _status(packet.id, error, data)))
+    return replies
+
+
+def _execute(servo: StsServo, packet: Packet, now: int) -> bytes | None:
+    """Return the data of the answer; None if the servo does not understand."""
+    parameters = packet.parameters
+    match packet.instruction:
+        case Instruction.PING:
+            pass
+        case Instruction.READ if len(parameters) == _RANGE.size:
+            return _read(servo, parameters)
+        case Instruction.WRITE if parameters:
+            servo.write(parameters[0], parameters[1:])
+        case Instruction.REG_WRITE if parameters:
+            servo.register_write(parameters[0], parameters[1:])
+        case Instruction.ACTION:
+            servo.action()
+        case Instruction.RECOVERY:
+            servo.recover(now)
+        case Instruction.REBOOT if servo.knows_reboot:
+            servo.reboot(now)
+        case Instruction.RESET:
+            servo.clear_turns()
+        case _:
+            return None
+    return b""
+
+
+def _read(servo: StsServo, what: bytes) -> bytes | None:
+    address, length = _RANGE.unpack(what)
+    return servo.read(address, length) if length <= _LARGEST_DATA else None
+
+
+def _sync_read(parameters: bytes, listening: list[StsServo]) -> list[Reply]:
+    what, ids = parameters[:_RANGE.size], parameters[_RANGE.size:]
+
+    def answer(servo: StsServo) -> bytes | None:
+        data = _read(servo, what)
+        return None if data is None else _status(servo.id, servo.error, data)
+
+    return answers_in_turn(ids, by_id(listening), answer)
+
+
+def _sync_write(parameters: bytes, listening: list[StsServo]) -> None:
+    """Write to every listed servo."""
+    if len(parameters) <= _RANGE.size:
+        return
+    address, length = _RANGE.unpack_from(parameters)
+    starts = range(_RANGE.size, len(parameters), length + 1)
+    if (len(parameters) - _RANGE.size) % (length + 1):
+        return
+    blocks = {parameters[at]: parameters[at + 1:at + 1 + length] for at in starts}
+    for servo in listening:
+        if servo.id in blocks:
+            servo.write(address, blocks[servo.id])
+
+
+def _status(servo_id: int, error: int, data: bytes = b"") -> bytes:
+    """Return a status packet."""
+    body = bytes((servo_id, len(data) + 2, error)) + data
+    return _HEADER + body + bytes((_checksum(body),))
+
+
+def _checksum(body: bytes | bytearray) -> int:
+    return ~sum(body) & 0xFF

@@ -1,0 +1,69 @@
+"""The control table of a Feetech STS servo: the rules of reading and writing it.
+
+The protocol has no code for a write that is refused: its status says that a write came, not what came of it.
+What manuals leave open is decided here, in one place:
+
+- A register written with a value outside its range keeps its old one, unnoticed; what else was written counts.
+- A part of a register may be written: the table is a memory of bytes.
+- What is read-only, and what lies between and behind the registers, is passed over; where nothing is, 0 is read.
+"""
+
+from hal.register_map import Access, Memory, Register, ServoModel
+from sim_backend.control_table import ControlTable
+
+
+class StsTable(ControlTable):
+    """The bytes of one servo, as far as its user may reach them."""
+
+    def __init__(self, model: ServoModel) -> None:
+        super().__init__(model)
+        self._by_byte = {
+            at: r for r in model.registers if r.access is Access.READ_WRITE for at in range(r.address, r.end)}
+        self._stored = bytearray(self.data)  # what outlives power; of use is the EEPROM
+
+    def read(self, address: int, length: int) -> bytes:
+        """Return raw bytes."""
+        return bytes(self.data[address:address + length]).ljust(length, b"\0")
+
+    def write(self, address: int, data: bytes) -> set[str]:
+        """Write raw bytes; return the names of the registers that took them."""
+        image = self.data.ljust(address, b"\0")
+        image[address:address + len(data)] = data
+        touched = dict.fromkeys(filter(None, map(self._by_byte.get, range(address, address + len(data)))))
+        taken = set()
+        for register in touched:
+            value = _decode(register, image)
+            if _fits(register, value):
+                self.assign(register, value)
+                taken.add(register.name)
+        return taken
+
+    def assign(self, register: Register, value: int) -> None:
+        """Set a register as its user does: of the EEPROM it outlives power only if `lock` is 0."""
+        super().assign(register, value)
+        if not self["lock"]:
+            self._stored[register.address:register.end] = self.data[register.address:register.end]
+
+    def restore(self) -> None:
+        """Set all registers as at power-up."""
+        self.data[:] = self._stored
+        self.restore_defaults(Memory.RAM)
+
+    def recover(self) -> None:
+        """Set all registers as the factory does, but for the id. Whether that survives is undocumented."""
+        servo_id = self["id"]
+        self.restore_defaults(Memory.EEPROM)
+        self["id"] = servo_id
+        self._stored[:] = self.data
+
+
+def _decode(register: Register, image: bytearray) -> int:
+    value = int.from_bytes(image[register.address:register.end], "little")
+    sign = 1 << register.sign_bit if register.sign_bit is not None else 0
+    return sign - value if value & sign else value
+
+
+def _fits(register: Register, value: int) -> bool:
+    if register.range is not None and not register.range[0] <= value <= register.range[1]:
+        return False
+    return register.choices is None or value in register.choices

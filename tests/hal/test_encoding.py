@@ -1,0 +1,93 @@
+"""Sign and magnitude, in which Feetech's servos count, on the bundled STS3215's registers."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scservo_sdk import SCS_TOHOST, SCS_TOSCS
+
+from hal.encoding import BlockDecoder, pack, unpack
+from hal.register_map import Block
+from robotwalk.assembly import load_servo
+
+STS = load_servo("sts3215")
+
+SIGNED = [row.name for row in STS.registers if row.sign_bit is not None]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "data"),
+    [
+        ("goal_position", 2048, "00 08"),
+        ("goal_position", -100, "64 80"),
+        ("goal_position", -1, "01 80"),
+        ("goal_position", 30719, "FF 77"),
+        ("goal_position", -30719, "FF F7"),
+        ("present_velocity", -3400, "48 8D"),
+        ("present_load", 500, "F4 01"),
+        ("present_load", -500, "F4 05"),
+        ("goal_pwm", -1000, "E8 07"),
+        ("position_offset", -85, "55 08"),
+        ("position_offset", 2047, "FF 07"),
+        ("position_offset", -2047, "FF 0F"),
+        ("present_current", -1, "01 80"),
+    ],
+)
+def test_bytes_on_the_wire(name: str, value: int, data: str) -> None:
+    assert pack(STS[name], value) == bytes.fromhex(data)
+    assert unpack(STS[name], bytes.fromhex(data)) == value
+
+
+@pytest.mark.parametrize("name", SIGNED)
+def test_minus_zero_is_zero(name: str) -> None:
+    sign_bit = STS[name].sign_bit
+    assert sign_bit is not None
+    assert unpack(STS[name], (1 << sign_bit).to_bytes(2, "little")) == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "largest"),
+    [("goal_position", 32767), ("present_velocity", 32767), ("present_load", 1023), ("position_offset", 2047)],
+)
+def test_what_does_not_fit_beside_the_sign_is_refused(name: str, largest: int) -> None:
+    for value in (largest, -largest):
+        assert unpack(STS[name], pack(STS[name], value)) == value
+    for value in (largest + 1, -largest - 1):
+        with pytest.raises(ValueError, match=f"^{name}: {value} does not fit beside its sign in bit "):
+            pack(STS[name], value)
+
+
+@given(st.sampled_from(SIGNED), st.integers(-1023, 1023))
+def test_every_value_comes_back_and_is_what_the_sdks_own_helper_makes_of_it(name: str, value: int) -> None:
+    register = STS[name]
+    data = pack(register, value)
+    assert unpack(register, data) == value
+    assert int.from_bytes(data, "little") == SCS_TOSCS(value, register.sign_bit)
+    assert SCS_TOHOST(int.from_bytes(data, "little"), register.sign_bit) == value
+
+
+def test_the_newer_sdks_two_s_complement_would_be_a_far_goal() -> None:
+    """ftservo-python-sdk 2.0.1 sends 9C FF for -100: to the servo that is eight turns away."""
+    assert unpack(STS["goal_position"], b"\x9c\xff") == -32668
+    assert pack(STS["goal_position"], -100) == (0x8064).to_bytes(2, "little")
+
+
+class TestBlock:
+    def test_the_cyclic_read(self) -> None:
+        assert (STS.feedback.address, STS.feedback.size) == (56, 6)
+        decoder = BlockDecoder(STS.feedback)
+        # Half a turn past the centre, backwards at 1 rev/s, pulling with a quarter of the output the other way.
+        assert decoder.unpack(bytes.fromhex("00 10  00 90  FA 04")) == [4096, -4096, -250]
+
+    def test_holes_are_skipped(self) -> None:
+        block = Block(tuple(STS[name] for name in ("present_position", "present_temperature", "present_current")))
+        assert (block.address, block.size) == (56, 15)
+        decoder = BlockDecoder(block)
+        data = bytes.fromhex("64 80 11 22 33 44 55 1E 77 88 99 AA BB 05 80")
+        assert decoder.unpack(data) == [-100, 30, -5]
+
+    @given(st.integers(-32767, 32767), st.integers(-32767, 32767), st.integers(-1023, 1023))
+    def test_a_block_holds_what_its_registers_hold(self, position: int, velocity: int, load: int) -> None:
+        names = ("present_position", "present_velocity", "present_load")
+        values = [position, velocity, load]
+        data = b"".join(pack(STS[name], value) for name, value in zip(names, values, strict=True))
+        assert BlockDecoder(STS.feedback).unpack(data) == values
