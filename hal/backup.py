@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal, NamedTuple
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from hal import quantity
 from hal.register_map import Access, Memory, Register, Row, ServoModel
@@ -16,8 +16,6 @@ _ADDRESS = ("id", "baud_rate")  # how a servo is reached; restored last, and onl
 
 class Backup(Row):
     """What the file holds. Values are counts, as on the wire."""
-
-    model_config = ConfigDict(populate_by_name=True)
 
     schema_version: Literal[1] = Field(alias="schema")
     model: str
@@ -43,6 +41,8 @@ class Restored(NamedTuple):
     changes: tuple[Change, ...]
     same: int  # registers that held their values already
     left: tuple[str, ...]  # registers that differ and were not to be written
+    id: int  # where the servo is now
+    baud: int
 
 
 def take(servo: Servo, time: str) -> Backup:
@@ -53,7 +53,7 @@ def take(servo: Servo, time: str) -> Backup:
     """
     values = servo.read_all(_eeprom(servo.model))
     return Backup(
-        schema_version=1, model=servo.model.name, model_number=servo.model.model_number, id=servo.id,
+        schema=1, model=servo.model.name, model_number=servo.model.model_number, id=servo.id,
         baud=servo.identity.baud, firmware=servo.identity.firmware or "unknown", time=time,
         registers={name: value for name, value in values.items() if value is not None})
 
@@ -113,7 +113,7 @@ def restore(servo: Servo, backup: Backup, *, with_id: bool) -> Restored:
             done = ", ".join(change.register.name for change in changes) or "nothing"
             raise type(error)(f"{error}. Changed before that: {done}") from error
     left = tuple(name for name in differing if name not in wanted)
-    return Restored(tuple(changes), len(rows) - len(differing), left)
+    return Restored(tuple(changes), len(rows) - len(differing), left, servo.id, servo.dialogue.port.baud)
 
 
 def _eeprom(model: ServoModel) -> Sequence[Register]:

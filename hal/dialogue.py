@@ -124,7 +124,8 @@ class Dialogue:
             return BusError(
                 f"what comes back from id {servo_id} at {self.port.baud} baud is garbled: two servos with one id, "
                 "a loose cable, or a wrong baud rate")
-        return BusError(f"no servo answers as id {servo_id} at {self.port.baud} baud")
+        return BusError(
+            f"no servo answers as id {servo_id} at {self.port.baud} baud; `robotwalk servo scan` tries all baud rates")
 
     def _refusal(self, servo_id: int, status: Status) -> ServoError:
         return ServoError(f"id {servo_id} refuses: {self.protocol.describe_error(status.error)}")

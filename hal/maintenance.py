@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from hal import backup, factory_reset, scan
+from hal import factory_reset, scan
+from hal.backup import Backup, Restored, restore, take
 from hal.dialogue import Dialogue, Heard
 from hal.encoding import pack
 from hal.identity import Identity, identify
@@ -12,8 +13,7 @@ from hal.register_map import ServoModel
 from hal.sdk_port import SdkPort
 from hal.servo import Servo, found
 from hal.tunable_port import TunablePort
-from hal.vendor_sdk import Keep
-from hal.vendors import vendor_sdk
+from hal.vendor_sdk import Keep, VendorSdk
 from robotwalk.errors import BusError, ServoError
 from robotwalk.ports import Clock
 
@@ -55,13 +55,13 @@ class Bench:
         known = {baud for models in self._models.values() for model in models for baud in model.baud_rates}
         return sorted(known, key=lambda baud: (baud not in _FACTORY_BAUDS, -baud))
 
-    def scan(self, baud: int) -> Iterator[scan.Finding]:
-        """Look for servos at one baud rate, in each protocol that has it.
-
-        Raises:
-            BusError: the adapter does not have it.
-        """
+    def tune(self, baud: int) -> None:
+        """Set the baud rate. Raises BusError if the adapter does not have it."""
         self._port.baud = baud
+
+    def scan(self) -> Iterator[scan.Finding]:
+        """Look for servos at the baud rate of now, in each protocol that has it."""
+        baud = self._port.baud
         for name, models in self._models.items():
             if any(baud in model.baud_rates for model in models):
                 yield from scan.scan(self._dialogues[name], models)
@@ -94,7 +94,7 @@ class Bench:
         """Return the servos that have these ids, by default all on the line. Raises BusError as `servo` does."""
         if ids:
             return [self.servo(servo_id) for servo_id in dict.fromkeys(ids)]
-        findings = list(self.scan(self._port.baud))
+        findings = list(self.scan())
         for finding in findings:
             if isinstance(finding, scan.Clash | scan.Noise):
                 raise BusError(str(finding))
@@ -145,21 +145,25 @@ class Bench:
                     "Switch its power off and on")
         raise BusError(f"{servo} was told to reboot and does not answer again")
 
-    def backup(self, servo: Servo, time: str) -> backup.Backup:
-        """Read a servo's EEPROM through its vendor's SDK. Raises as `backup.take` does."""
-        return backup.take(self._through_sdk(servo), time)
+    def backup(self, servo: Servo, time: str) -> Backup:
+        """Read a servo's EEPROM through its vendor's SDK. Raises as `hal.backup.take` does."""
+        return take(self._through_sdk(servo), time)
 
-    def restore(self, servo: Servo, saved: backup.Backup, *, with_id: bool) -> backup.Restored:
-        """Bring an EEPROM back through the vendor's SDK. Raises as `backup.restore` does."""
-        return backup.restore(self._through_sdk(servo), saved, with_id=with_id)
+    def restore(self, servo: Servo, backup: Backup, *, with_id: bool) -> Restored:
+        """Bring an EEPROM back through the vendor's SDK. Raises as `hal.backup.restore` does."""
+        return restore(self._through_sdk(servo), backup, with_id=with_id)
 
     def factory_reset(self, servo: Servo, keep: Keep) -> factory_reset.Reset:
         """Reset a servo through its vendor's SDK. Raises as `factory_reset.factory_reset` does."""
-        sdk = vendor_sdk(servo.model, SdkPort(self._port, self.clock))
-        return factory_reset.factory_reset(servo, sdk, keep)
+        return factory_reset.factory_reset(servo, self._sdk(servo), keep)
 
     def _through_sdk(self, servo: Servo) -> Servo:
-        return servo.over(vendor_sdk(servo.model, SdkPort(self._port, self.clock)))
+        return servo.over(self._sdk(servo))
+
+    def _sdk(self, servo: Servo) -> VendorSdk:
+        from hal.vendors import vendor_sdk
+
+        return vendor_sdk(servo.model, SdkPort(self._port, self.clock))
 
     def _servo(self, identity: Identity) -> Servo:
         return found(self._dialogues[identity.protocol], identity, self._models[identity.protocol])

@@ -13,6 +13,9 @@ _NS = 1_000_000_000
 _MS = 1_000_000
 _SHARE_OF_PERIOD = 0.9  # of a tick that an exchange may take, whatever is missing
 _BEYOND_LIMITS = 0.1  # rad that a limp joint may hang past its limits
+_MARGIN = 2_000_000  # ns past the time that an exchange takes, for servos and adapter
+_PATIENCE = 40_000_000  # the same while arming
+_TRIES = 3
 _GENTLE = 0.2  # of the torque, with which a limb comes to power
 _RAMP = (0.4, 0.6, 0.8, 1.0)
 _SETTLING = 50_000_000  # ns between steps of the start
@@ -38,6 +41,11 @@ class SerialServoBus:
     def joints(self) -> tuple[str, ...]:
         """The joints' names, in the robot's order."""
         return self._joints
+
+    @property
+    def lines(self) -> tuple[ServoLine, ...]:
+        """The wires."""
+        return self._lines
 
     def arm(self, period: int, torque: float = 1.0) -> JointState:
         """Find every servo, let it hold where it is, switch torque on, limb by limb and gently.
@@ -93,14 +101,14 @@ class SerialServoBus:
             self._find(line)
             self._check_pace(line, period)
         self._heard = [self._clock.now()] * len(self._joints)
-        state = self._transact(None, _NS)
+        state = self._read_patiently()
         self._check_positions(state)
         idle = {line.name: [servo for servo in line.servos if not self._is_on(line, servo)] for line in self._lines}
         for line in self._lines:
             if idle[line.name]:
                 line.cap_torque(_GENTLE * torque, idle[line.name])
         # The goal register may hold anything: it must hold the present position before torque is on.
-        self._transact(state.position, _NS)
+        self._transact(state.position, _NS, _PATIENCE)
         for limb in dict.fromkeys(servo.limb for line in self._lines for servo in line.servos):
             for line in self._lines:
                 for servo in idle[line.name]:
@@ -112,7 +120,15 @@ class SerialServoBus:
                 if idle[line.name]:
                     line.cap_torque(share * torque, idle[line.name])
             self._pause()
-        return self._transact(state.position, _NS)
+        return self._read_patiently()
+
+    def _read_patiently(self) -> JointState:
+        """Read all joints, again if some do not answer: nothing presses yet."""
+        for _ in range(_TRIES - 1):
+            state = self._transact(None, _NS, _PATIENCE)
+            if all(state.valid):
+                return state
+        return self._transact(None, _NS, _PATIENCE)
 
     def _switch_on(self, line: ServoLine, servo: Wired, position: float) -> None:
         """Switch torque on, once the servo has shown that its goal is where it is: nobody acknowledged that."""
@@ -188,11 +204,11 @@ class SerialServoBus:
         first = servo.model.fast_sync_read_firmware
         return first is not None and line.read_register(self._clock, servo, "firmware_version") >= first
 
-    def _transact(self, goals: Sequence[float] | None, period: int) -> JointState:
+    def _transact(self, goals: Sequence[float] | None, period: int, margin: int = _MARGIN) -> JointState:
         start = self._clock.now()
         latest = start + round(_SHARE_OF_PERIOD * period)
         for line in self._lines:
-            line.begin(goals, start)
+            line.begin(goals, start, margin)
         pending = list(self._lines)
         while pending:
             self._clock.wait([line.port for line in pending], min(latest, *(line.deadline for line in pending)))

@@ -14,7 +14,7 @@ from robotwalk.ports import BytePort, Clock
 _NS = 1_000_000_000
 _BITS_PER_BYTE = 10
 _REQUEST_TIMEOUT = 40_000_000  # ns for the reply to a single request; an FTDI adapter holds it back for 16 ms
-_REPLY_MARGIN = 2_000_000  # ns past the wire time, for servos and adapter
+_TRIES = 3
 
 
 class Wired(NamedTuple):
@@ -105,14 +105,17 @@ class ServoLine:
         plan = bus_plan.cyclic(self.protocol, [servo.model for servo in self.servos], fast=fast)
         self._wire_ns = round(bus_plan.wire_seconds(plan, self._baud) * _NS)
 
-    def begin(self, goals: Sequence[float] | None, now: int) -> None:
-        """Write the goals (rad, in the robot's joint order), if any, and ask for everybody's state."""
+    def begin(self, goals: Sequence[float] | None, now: int, margin: int) -> None:
+        """Write the goals (rad, in the robot's joint order), if any, and ask for everybody's state.
+
+        Answers may come until `margin` ns past the time that the exchange takes.
+        """
         frame = self._request if goals is None else self._goal_frame(goals) + self._request
         self._drop_stale()
         self._group.reset()
         self._send(frame)
         self.transactions += 1
-        self.deadline = now + self.exchange_ns + self.latency // 4 + _REPLY_MARGIN
+        self.deadline = now + self.exchange_ns + self.latency // 4 + margin
 
     def collect(self) -> None:
         """Take the bytes that have come."""
@@ -137,18 +140,22 @@ class ServoLine:
                 self.alerts.add(servo.joint)
             yield self._sample(servo, status.data)
 
-    def request(self, clock: Clock, frame: bytes, servo_id: int) -> Status | None:
-        """Send one instruction and wait for its status; None if none comes in time."""
-        self._drop_stale()
-        self._send(frame)
-        deadline = clock.now() + _REQUEST_TIMEOUT
-        while clock.now() < deadline:
-            clock.wait((self.port,), deadline)
-            data = self.port.read()
-            self.rx_bytes += len(data)
-            for status in self._receiver.feed(data):
-                if status.id == servo_id:
-                    return status
+    def request(self, clock: Clock, frame: bytes, servo_id: int, size: int | None = None) -> Status | None:
+        """Send one instruction and wait for its status; again if none comes in time, and None if none ever does.
+
+        Where the answer's `size` (bytes of data) is known, a late answer to something else does not pass for it.
+        """
+        for _ in range(_TRIES):
+            self._drop_stale()
+            self._send(frame)
+            deadline = clock.now() + _REQUEST_TIMEOUT
+            while clock.now() < deadline:
+                clock.wait((self.port,), deadline)
+                data = self.port.read()
+                self.rx_bytes += len(data)
+                for status in self._receiver.feed(data):
+                    if status.id == servo_id and (size is None or status.error or len(status.data) == size):
+                        return status
         return None
 
     def ping(self, clock: Clock, servo: Wired) -> tuple[Status | None, int]:
@@ -171,14 +178,12 @@ class ServoLine:
         """Return a register's counts.
 
         Raises:
-            BusError: the servo does not answer, refuses, or sends something else.
+            BusError: the servo does not answer or refuses.
         """
         register = servo.model[name]
-        status = self.request(clock, self.protocol.read(servo.id, register.address, register.size), servo.id)
-        data = self._accepted(servo, status, f"a read of {name}").data
-        if len(data) != register.size:
-            raise BusError(f"{servo} on bus {self.name} answers a read of {name} with {len(data)} bytes")
-        return unpack(register, data)
+        frame = self.protocol.read(servo.id, register.address, register.size)
+        status = self.request(clock, frame, servo.id, register.size)
+        return unpack(register, self._accepted(servo, status, f"a read of {name}").data)
 
     def write_register(self, clock: Clock, servo: Wired, name: str, value: int) -> None:
         """Write one register of one servo, in counts.
@@ -188,7 +193,7 @@ class ServoLine:
         """
         register = servo.model[name]
         frame = self.protocol.write(servo.id, register.address, pack(register, value))
-        self._accepted(servo, self.request(clock, frame, servo.id), f"{name} = {value}")
+        self._accepted(servo, self.request(clock, frame, servo.id, 0), f"{name} = {value}")
 
     def broadcast_torque_off(self) -> None:
         """Switch off the torque of all servos, without waiting for anything."""

@@ -2,21 +2,37 @@
 
 import gc
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from hal import backup as backup_file
 from hal import bus_plan
+from hal import quantity as quantity  # this and others named twice: what `robotwalk servo` works with
+from hal.backup import Backup as Backup
 from hal.calibration import Calibration
 from hal.drive import response
 from hal.hardware import HardwareConfig, problems
+from hal.identity import Identity as Identity
+from hal.maintenance import Bench as Bench
+from hal.monitor import Sample as Sample
+from hal.monitor import sample as sample
 from hal.protocols import protocol_of
+from hal.register_map import Register as Register
 from hal.register_map import ServoModel
+from hal.scan import Clash as Clash
+from hal.scan import Finding as Finding
+from hal.scan import Noise as Noise
+from hal.scan import Progress as Progress
 from hal.serial_transport import names_hardware, open_port
+from hal.servo import Change as Change
+from hal.servo import Servo as Servo
 from hal.servo_bus import SerialServoBus
 from hal.servo_line import ServoLine, Wired
+from hal.vendor_sdk import Keep as Keep
 from robotwalk import checks
 from robotwalk.clock import WallClock
 from robotwalk.config import library
@@ -160,6 +176,8 @@ class Session:
 
     blueprint: Blueprint
     robot: Robot
+    bus: SerialServoBus
+    clock: Clock
 
 
 @dataclass(frozen=True)
@@ -180,7 +198,8 @@ def simulate(robot: str | Blueprint, *, rate_hz: int = RATE_HZ, seed: int = 0, l
     _check_rate(rate_hz)
     world = simulated_robot(blueprint, rate_hz, seed)
     recorder = _recorder(log, blueprint, {"rate_hz": str(rate_hz), "seed": str(seed)})
-    return Simulation(blueprint, _robot(blueprint, world.clock, world.ports, rate_hz, recorder), world)
+    bus = _bus(blueprint, world.clock, world.ports)
+    return Simulation(blueprint, _robot(blueprint, world.clock, bus, rate_hz, recorder), bus, world.clock, world)
 
 
 def simulated_robot(
@@ -258,7 +277,53 @@ def connect(
             port.close()
         raise
     gc.freeze()  # what is loaded by now stays; no collection need look at it again
-    return Session(blueprint, _robot(blueprint, WallClock(), opened, rate_hz, recorder, torque))
+    clock = WallClock()
+    bus = _bus(blueprint, clock, opened)
+    return Session(blueprint, _robot(blueprint, clock, bus, rate_hz, recorder, torque), bus, clock)
+
+
+@contextmanager
+def bench(url: str, *, baud: int, protocol: str | None, real: bool, writes: bool) -> Iterator[Bench]:
+    """Open one line for the maintenance of single servos; `protocol` is the only one to be tried, if given.
+
+    Raises:
+        UsageError: no servo has this baud rate or protocol, or a physical one would be changed and was not asked for.
+        BusError: the port does not open.
+    """
+    if writes and not real and names_hardware(url):
+        raise UsageError(f"{url} may be a physical robot, and this changes or moves a servo: say --real to do it")
+    models = [model for model in map(load_servo, library.names("servos")) if protocol in (None, model.protocol)]
+    bauds = sorted({rate for model in models for rate in model.baud_rates})
+    if baud not in bauds:
+        whose = f"of {protocol}" if protocol else "that we know"
+        raise UsageError(f"no servo {whose} has {baud} baud; there are {', '.join(map(str, bauds))}")
+    port = open_port(url, baud)
+    try:
+        yield Bench(port, WallClock(), models)
+    finally:
+        port.close()
+
+
+def read_backup(path: Path) -> Backup:
+    """Read the backup of a servo.
+
+    Raises:
+        ConfigError: the file is wrong.
+    """
+    document = Document.read(path)
+    backup = document.validate(Backup)
+    if backup.model not in library.names("servos"):
+        raise document.error(("model",), f"no such servo; there are {', '.join(library.names('servos'))}", backup.model)
+    for name, what, got in backup_file.problems(backup, load_servo(backup.model)):
+        raise document.error(("registers", name), what, got)
+    return backup
+
+
+def backup_text(backup: Backup, path: Path) -> str:
+    """Return what to write to a file of that name: JSON if it is called so, else YAML."""
+    if path.suffix == ".json":
+        return backup_file.to_json(backup)
+    return backup_file.to_yaml(backup, load_servo(backup.model))
 
 
 def _urls(blueprint: Blueprint, ports: Mapping[str, str], real: bool) -> dict[str, str]:
@@ -321,16 +386,19 @@ def viewer(world: "SimulatedRobot") -> "Viewer":
     return Viewer(world.world.model, world.world.data)
 
 
-def _robot(
-    blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort], rate_hz: int, recorder: Recorder | None,
-    torque: float = 1.0,
-) -> Robot:
-    model = blueprint.model
+def _bus(blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort]) -> SerialServoBus:
     lines = [
         ServoLine(name, ports[name], blueprint.hardware.buses[name].baud, protocol_of(wired[0].model), wired)
         for name, wired in blueprint.wiring.items()
     ]
-    bus = SerialServoBus(model.joint_names, lines, clock)
+    return SerialServoBus(blueprint.model.joint_names, lines, clock)
+
+
+def _robot(
+    blueprint: Blueprint, clock: Clock, bus: SerialServoBus, rate_hz: int, recorder: Recorder | None,
+    torque: float = 1.0,
+) -> Robot:
+    model = blueprint.model
     limits = [
         JointLimit(
             joint.lower, joint.upper, _GOAL_LEAD * drive.max_speed, _GOAL_LEAD * drive.max_speed / _FULL_SPEED_WITHIN)

@@ -1,18 +1,24 @@
 """What a robot's files must fulfil beyond their schema, and what `robotwalk check` finds without motion."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from robotwalk.config.document import Document
 from robotwalk.config.schema import GaitConfig, RobotConfig
+from robotwalk.controller import Controller
+from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait
-from robotwalk.kinematics import Solution, chain_points, resting_angles, solver_for
+from robotwalk.kinematics import Solution, foot_position, resting_angles, solver_for
 from robotwalk.model import Leg, RobotModel
+from robotwalk.supervisor import State
+from robotwalk.support import centre_of_mass, support_margin
 from robotwalk.swing import SWING_PATHS, way_made
-from robotwalk.types import Vec3
+from robotwalk.types import LEVEL, Command, Twist, Vec3
 
 _DIRECTIONS = 24  # in which strides are tried
+_TICK = 0.01  # s
+_SETTLING = 3.0  # s until a walk is steady
 _MOMENTS = tuple(index / 20.0 for index in range(21))  # of a swing
 
 
@@ -101,7 +107,9 @@ class Balance(NamedTuple):
     """Where the mass is over the feet that stand."""
 
     gait: str
-    margin: float  # m from the centre of mass to the support polygon's edge, at worst; negative outside
+    # m from the centre of mass to the support polygon's edge, at worst; negative outside. None: there are moments
+    # without a polygon, and the gait is balanced only by its motion.
+    margin: float | None
 
 
 def gait_reach(model: RobotModel, gait: Gait) -> GaitReach:
@@ -114,72 +122,37 @@ def gait_reach(model: RobotModel, gait: Gait) -> GaitReach:
             solution = solver.solve(*target)
             miss = max(miss, solution.miss)
             tightest = min(tightest, *_margins(leg, solution))
+    return GaitReach(gait.name, gait_speed(model, gait), miss, tightest)
+
+
+def gait_speed(model: RobotModel, gait: Gait) -> float:
+    """Return how fast a gait can go straight ahead, m/s."""
     ahead = min(
         leg.max_stride / (stance * gait.fastest_period)
         for leg, stance in zip(model.legs, gait.longest_stance, strict=True))
-    return GaitReach(gait.name, min(ahead, model.motion.speed), miss, tightest)
+    return min(ahead, model.motion.speed)
 
 
 def balance(model: RobotModel, gait: Gait) -> Balance:
-    """Return the worst static margin over a gait's circle, walking ahead at the longest stride."""
-    centre = centre_of_mass(model, resting_angles(model, model.heights.stand))
-    ends = [sector.start + sector.length for sectors in gait.feet for sector in sectors]
-    worst = min(
-        support_margin(list(_standing_feet(model, gait, (event + nudge) % 1.0)), centre)
-        for event in (*gait.starts, *ends) for nudge in (-1e-6, 1e-6))
+    """Return the least static margin of a steady walk, straight on at top speed, as the controller poses the robot."""
+    if min(sum(support.standing) for support in gait.supports) < 3:
+        return Balance(gait.name, None)
+    ahead = Command(Twist(gait_speed(model, gait), 0.0, 0.0))
+    controller = Controller(model, {gait.name: gait}, gait.name)
+    controller.start(resting_angles(model, model.heights.sit))
+    at_start = Estimate(LEVEL, len(model.legs))
+    while not controller.step(State.STAND, Command(), at_start, _TICK).standing:
+        pass
+    worst = math.inf
+    settling = round((_SETTLING + gait.slowest_period) / _TICK)
+    for tick in range(settling + round(gait.slowest_period / _TICK)):
+        wanted = controller.step(State.WALK, ahead, at_start, _TICK)
+        if tick >= settling:
+            feet = [
+                foot_position(leg, wanted.angles[leg.span])
+                for leg, planted in zip(model.legs, wanted.planted, strict=True) if planted]
+            worst = min(worst, support_margin(feet, centre_of_mass(model, wanted.angles)))
     return Balance(gait.name, worst)
-
-
-def _standing_feet(model: RobotModel, gait: Gait, phase: float) -> Iterator[Vec3]:
-    """Return the feet in stance at a phase, each as far along its stride as its needle says."""
-    for foot, leg in enumerate(model.legs):
-        if gait.sector_at(foot, phase) is None:
-            sector = min(gait.feet[foot], key=lambda sector: (phase - sector.start) % 1.0)
-            done = ((phase - sector.start - sector.length) % 1.0) / sector.stance
-            yield leg.rest_foot._replace(x=leg.rest_foot.x + leg.max_stride * (0.5 - done))
-
-
-def centre_of_mass(model: RobotModel, angles: Sequence[float]) -> Vec3:
-    """Return the centre of mass in the base frame, m; a link's is at its middle, the body's at its origin."""
-    x = y = z = 0.0
-    for leg in model.legs:
-        points = chain_points(leg, angles[leg.span])
-        for joint, near, far in zip(leg.joints, points, points[1:], strict=False):
-            x += joint.mass * 0.5 * (near.x + far.x)
-            y += joint.mass * 0.5 * (near.y + far.y)
-            z += joint.mass * 0.5 * (near.z + far.z)
-        foot = points[-1]
-        x, y, z = x + model.foot_mass * foot.x, y + model.foot_mass * foot.y, z + model.foot_mass * foot.z
-    return Vec3(x / model.mass, y / model.mass, z / model.mass)
-
-
-def support_margin(feet: Sequence[Vec3], point: Vec3) -> float:
-    """Return how far a point lies inside the convex hull of the feet, seen from above, m; negative outside."""
-    hull = _convex_hull([(foot.x, foot.y) for foot in feet])
-    if len(hull) < 3:
-        return -math.inf
-    margin = math.inf
-    for (ax, ay), (bx, by) in zip(hull, [*hull[1:], hull[0]], strict=True):
-        ex, ey = bx - ax, by - ay
-        margin = min(margin, (ex * (point.y - ay) - ey * (point.x - ax)) / math.hypot(ex, ey))
-    return margin
-
-
-def _convex_hull(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return the hull counter-clockwise (Andrew's monotone chain)."""
-    ordered = sorted(set(points))
-
-    def chain(sequence: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-        hull: list[tuple[float, float]] = []
-        for p in sequence:
-            while len(hull) >= 2 and (
-                (hull[-1][0] - hull[-2][0]) * (p[1] - hull[-2][1]) - (hull[-1][1] - hull[-2][1]) * (p[0] - hull[-2][0])
-            ) <= 0.0:
-                hull.pop()
-            hull.append(p)
-        return hull[:-1]
-
-    return chain(ordered) + chain(ordered[::-1]) if len(ordered) > 2 else list(ordered)
 
 
 def _longest_swings(model: RobotModel, leg: Leg, body_way: float) -> Iterator[Vec3]:

@@ -71,7 +71,7 @@ class Gait:
         self.feet = tuple(_sectors(config.swing[leg]) for leg in legs)
         self.longest_stance = tuple(max(sector.stance for sector in sectors) for sectors in self.feet)
         shortest_swing = min(sector.length for sectors in self.feet for sector in sectors)
-        self.fastest_period = _SLACK * model.motion.min_swing / shortest_swing
+        self.fastest_period = max(_SLACK * model.motion.min_swing / shortest_swing, config.fastest_period_s or 0.0)
         self.slowest_period = max(config.slowest_period_s, self.fastest_period)
         self._together = [
             {foot for foot in range(len(legs)) if self.sector_at(foot, start) is not None} for start in self.starts]

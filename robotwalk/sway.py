@@ -10,14 +10,14 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from robotwalk.body import advanced, composed, seen_from
+from robotwalk.body import advanced, placed, seen_from
 from robotwalk.gait import Gait, GaitClock, Support
 from robotwalk.kinematics import resting_angles
 from robotwalk.model import RobotModel
 from robotwalk.stepping import Footfalls, footprint
 from robotwalk.support import HalfPlane, centre_of_mass, nearest_inside, support_polygon
 from robotwalk.swing import Motion, least_jerk
-from robotwalk.types import LEVEL, Pose, Twist, Vec3
+from robotwalk.types import Pose, Twist, Vec3
 
 _NEW_SHIFT = 3e-3  # m; a smaller change of aim does not start a shift anew
 _FOLLOWING = 0.08  # s in which such a change is followed
@@ -93,7 +93,8 @@ class Sway:
         self._x = least_jerk(self._x, self._aim[0], remaining, dt)
         self._y = least_jerk(self._y, self._aim[1], remaining, dt)
         self._left = max(self._left - dt, 0.0)
-        return composed(pose, LEVEL._replace(x=self._x.position, y=self._y.position))
+        x, y = placed(pose, Vec3(self._x.position, self._y.position, 0.0))
+        return pose._replace(x=x, y=y)
 
     def _head_for(self, aim: tuple[float, float], seconds: float, acceleration: float) -> None:
         """Change the aim; a new shift takes `seconds`, or longer if it would be firmer than `acceleration`."""

@@ -27,6 +27,7 @@ _INVALID_IDS = (0xFD, 0xFF)
 _LENGTHS = range(3, 1025)  # beyond: a false header in noise
 _LARGEST_FRAME = 0xFFFF  # what the two bytes of a length can say
 _RANGE = struct.Struct("<HH")  # address, length
+_RESET_IDS_TOO = b"\xff"  # parameter of a factory reset
 
 
 class Instruction(IntEnum):
@@ -37,6 +38,7 @@ class Instruction(IntEnum):
     WRITE = 0x03
     REG_WRITE = 0x04
     ACTION = 0x05
+    FACTORY_RESET = 0x06
     REBOOT = 0x08
     SYNC_READ = 0x82
     SYNC_WRITE = 0x83
@@ -132,6 +134,8 @@ def _answer(packet: Packet, listening: list[DynamixelServo], now: int, byte_ns: 
             return _fast_sync_read(packet.parameters, by_id(listening), now)
         case Instruction.SYNC_WRITE:
             _sync_write(packet.parameters, listening)
+        case Instruction.FACTORY_RESET if packet.parameters == _RESET_IDS_TOO:
+            pass  # refused: all servos would get one id
         case _:
             for servo in listening:
                 _execute(servo, packet.instruction, packet.parameters, now)
@@ -177,6 +181,10 @@ def _perform(servo: DynamixelServo, instruction: int, parameters: bytes, now: in
             write(int.from_bytes(parameters[:2], "little"), parameters[2:])
         case Instruction.ACTION:
             servo.action()
+        case Instruction.FACTORY_RESET:
+            if len(parameters) != 1:
+                raise StatusError(ErrorNumber.DATA_LENGTH)
+            servo.factory_reset(parameters[0], now)
         case Instruction.REBOOT:
             servo.reboot(now)
         case _:

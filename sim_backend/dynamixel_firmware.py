@@ -24,6 +24,8 @@ _GOALS = ("goal_position", "goal_velocity", "goal_pwm")
 _SET_BY_MODE = (  # back to default when the operating mode changes
     "velocity_i_gain", "velocity_p_gain", "position_d_gain", "position_i_gain", "position_p_gain",
     "feedforward_2nd_gain", "feedforward_1st_gain", "profile_acceleration", "profile_velocity")
+_KEPT_BY_RESET = {  # by the option of a factory reset (e-Manual, Protocol 2.0)
+    0xFF: (), 0x01: ("id",), 0x02: ("id", "baud_rate")}
 _NS = 1_000_000_000
 _TICK_PERIOD = 1 << 15  # realtime_tick, ms
 
@@ -110,6 +112,20 @@ class DynamixelServo(FakeServo):
         self._registered = None
         self.table["registered_instruction"] = 0
         self.write(address, data)
+
+    def factory_reset(self, option: int, now: int) -> None:
+        """Go back to the factory's settings, but for what the option keeps, and start afresh.
+
+        Raises:
+            StatusError: there is no such option.
+        """
+        if option not in _KEPT_BY_RESET:
+            raise StatusError(ErrorNumber.DATA_RANGE)
+        kept = {name: self.table[name] for name in ("firmware_version", *_KEPT_BY_RESET[option])}
+        self.table.restore_defaults(Memory.EEPROM)
+        for name, value in kept.items():
+            self.table[name] = value
+        self.reboot(now)
 
     def _reset(self) -> None:
         self.table.restore_defaults(Memory.RAM)

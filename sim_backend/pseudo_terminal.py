@@ -60,21 +60,13 @@ class PseudoTerminal:
         """Return whether the last client has gone. If so, all is as it was before the first one."""
         with contextlib.suppress(BlockingIOError):
             os.read(self.departures, _CHUNK)
-        vacant = self._is_vacant()
+        vacant = self.is_vacant()
         if vacant:
             self._settle()
         return vacant
 
-    def close(self) -> None:
-        """Hang up on the client."""
-        for descriptor in (self.departures, self._slave, self.master):
-            os.close(descriptor)
-
-    def _open_slave(self) -> int:
-        return os.open(self.path, os.O_RDONLY | os.O_NOCTTY)
-
-    def _is_vacant(self) -> bool:
-        """Whether nobody else has the client's end open: then closing ours for a moment is a hang-up."""
+    def is_vacant(self) -> bool:
+        """Return whether no client is there: then closing our descriptor for a moment is a hang-up."""
         exclusive = any(fcntl.ioctl(self._slave, _TIOCGEXCL, bytes(4)))
         fcntl.ioctl(self._slave, termios.TIOCNXCL)  # or we could not open it again
         os.close(self._slave)
@@ -85,6 +77,14 @@ class PseudoTerminal:
         if exclusive and not vacant:
             fcntl.ioctl(self._slave, termios.TIOCEXCL)
         return vacant
+
+    def close(self) -> None:
+        """Hang up on the client."""
+        for descriptor in (self.departures, self._slave, self.master):
+            os.close(descriptor)
+
+    def _open_slave(self) -> int:
+        return os.open(self.path, os.O_RDONLY | os.O_NOCTTY)
 
     def _settle(self) -> None:
         """Be raw, at the initial baud rate, with nothing to read."""

@@ -22,7 +22,7 @@ class PtyEndpoint:
         """
         self.url = str(path)
         self._terminal = PseudoTerminal(baud)
-        self._in_use = False  # whether a client has sent something
+        self._in_use = False  # whether a client that has sent something is still there
         try:
             self._link = DeviceLink(path, self._terminal.path)
         except BaseException:
@@ -41,8 +41,8 @@ class PtyEndpoint:
     def receive(self, ready: Collection[int]) -> bytes:
         """Return what the client sent. One that has gone leaves nothing to the next."""
         data = self._terminal.read() if self._terminal.master in ready else b""
-        if data:
-            self._in_use = True
+        if data and not self._in_use:
+            self._in_use = not self._terminal.is_vacant()
         if self._terminal.departures in ready and self._terminal.note_departures():
             self._in_use = False
         return data

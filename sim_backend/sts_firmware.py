@@ -178,7 +178,7 @@ class StsServo(FakeServo):
             self._aim(steps)
 
     def _circumstances(self) -> tuple[int, ...]:
-        return self._on, self._mode, self.table["position_offset"], self._motion.many_turns
+        return self._on, self._mode, self._motion.offset, self._motion.many_turns
 
     def _restart(self) -> None:
         """Start from rest where the shaft is, as when torque comes on."""

@@ -18,16 +18,17 @@ from sim_backend.servo_physics import Drive, Gains, Scales
 from sim_backend.sts_table import StsTable
 
 POSITION, VELOCITY, PWM, STEP = range(4)  # of operating_mode
-FINE_SPEED, ZERO_IS_FASTEST, MULTI_TURN_FEEDBACK = 0x04, 0x08, 0x10  # bits of phase
-
-_COARSE_SPEED_STEPS_S = 50.0  # 0.732 rpm: the unit of speed without FINE_SPEED
+_FINE_SPEED, _ZERO_IS_FASTEST, MULTI_TURN_FEEDBACK = 0x04, 0x08, 0x10  # bits of phase
+_COARSE_SPEED_STEPS_S = 50.0  # 0.732 rpm: the unit of speed without _FINE_SPEED
 
 
 class StsMotion:
-    """Translates registers into steps, seconds and duty, as they are at the time of the call.
+    """Translates registers into steps, seconds and duty: the RAM's as they are, the EEPROM's as last configured.
 
     Attributes:
-        zero: position count = ticks + zero, as of the last `configure`.
+        offset: of the position, counts.
+        zero: position count = ticks + zero.
+        many_turns: whether goals may lie beyond one turn, as with both limits 0.
     """
 
     def __init__(self, model: ServoModel, firmware: StsFirmware, table: StsTable) -> None:
@@ -40,15 +41,17 @@ class StsMotion:
         self.configure(turned=0)
 
     def configure(self, turned: int) -> None:
-        """Take over the zero and the units; `turned` ticks have been taken off the position."""
+        """Take over the EEPROM; `turned` ticks have been taken off the position."""
+        table = self._table
+        self.offset = table["position_offset"]
         # Present = actual - offset: the other sign than a Dynamixel's homing offset.
-        self.zero = self._model.encoder.centre - self._table["position_offset"] - turned
-        self._speed_unit = self._fine_speed if self._table["phase"] & FINE_SPEED else _COARSE_SPEED_STEPS_S
-
-    @property
-    def many_turns(self) -> bool:
-        """Whether goals may lie beyond one turn: with both limits 0."""
-        return self._table["min_position_limit"] == self._table["max_position_limit"] == 0
+        self.zero = self._model.encoder.centre - self.offset - turned
+        self._limits = table["min_position_limit"], table["max_position_limit"]
+        self.many_turns = self._limits == (0, 0)
+        self._speed_unit = self._fine_speed if table["phase"] & _FINE_SPEED else _COARSE_SPEED_STEPS_S
+        self._zero_is_fastest = bool(table["phase"] & _ZERO_IS_FASTEST)
+        self._largest_speed = table["max_velocity_limit"] * self._largest_speed_unit
+        self._largest_acceleration = table["max_acceleration"]
 
     def drive(self, on: bool, largest_duty: float) -> Drive:
         """Return what drives the motor by mode, gains and goal PWM."""
@@ -82,9 +85,7 @@ class StsMotion:
 
     def bounded(self, count: int) -> int:
         """Return a goal within the position limits."""
-        if self.many_turns:
-            return count
-        return min(max(count, self._table["min_position_limit"]), self._table["max_position_limit"])
+        return count if self.many_turns else min(max(count, self._limits[0]), self._limits[1])
 
     def direction(self, position: float) -> float:
         """Return which way the goal lies from a position, ticks: less or more than 0."""
@@ -103,22 +104,19 @@ class StsMotion:
 
     def goal_speed(self) -> float:
         """Return the goal of the velocity loop, ticks/s."""
-        speed, largest = self._table["goal_velocity"] * self._speed_unit, self._largest_speed()
+        speed, largest = self._table["goal_velocity"] * self._speed_unit, self._largest_speed
         return min(max(speed, -largest), largest)
 
     def profile(self, start: float, speed: float, goal_count: int) -> Profile | None:
         """Return the profile to another position, or None if the goal velocity says not to move."""
-        limit = min(self._largest_speed(), self._firmware.goal_slew_steps_s)
+        limit = min(self._largest_speed, self._firmware.goal_slew_steps_s)
         goal_velocity = abs(self._table["goal_velocity"])
-        if goal_velocity or not self._table["phase"] & ZERO_IS_FASTEST:
+        if goal_velocity or not self._zero_is_fastest:
             limit = min(limit, goal_velocity * self._speed_unit)
         if not limit:
             return None
         return profile_by_speed(start, speed, goal_count - self.zero, limit, self._acceleration())
 
-    def _largest_speed(self) -> float:
-        return self._table["max_velocity_limit"] * self._largest_speed_unit
-
     def _acceleration(self) -> float:
         """Return the acceleration, ticks/s^2, or 0 for no limit."""
-        return min(self._table["acceleration"], self._table["max_acceleration"]) * self._acceleration_unit
+        return min(self._table["acceleration"], self._largest_acceleration) * self._acceleration_unit

@@ -40,8 +40,8 @@ class StsTable(ControlTable):
 
     def assign(self, register: Register, value: int) -> None:
         """Set a register as its user does: of the EEPROM it outlives power only if `lock` is 0."""
-        super().assign(register, value)
-        if not self["lock"]:
+        self[register.name] = value
+        if register.memory is Memory.EEPROM and not self["lock"]:
             self._stored[register.address:register.end] = self.data[register.address:register.end]
 
     def restore(self) -> None:

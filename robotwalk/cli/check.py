@@ -80,7 +80,7 @@ def _problems(
                 f"the largest rate is {bus.largest_rate_hz} Hz")
     problems.extend(
         f"gait {balance.gait}: the centre of mass is outside the support polygon by {-1e3 * balance.margin:.0f} mm"
-        for balance in balances if -math.inf < balance.margin < 0.0)
+        for balance in balances if balance.margin is not None and balance.margin < 0.0)
     return problems
 
 
@@ -92,7 +92,7 @@ def _gait_fields(reach: checks.GaitReach, balance: checks.Balance) -> dict[str, 
         "reach_error_mm": round(1e3 * reach.miss, 3),
         "tightest_joint": joint.joint,
         "joint_margin_deg": round(math.degrees(joint.margin), 2),
-        "balance_margin_mm": round(1e3 * balance.margin, 1) if math.isfinite(balance.margin) else None,
+        "balance_margin_mm": None if balance.margin is None else round(1e3 * balance.margin, 1),
     }
 
 
@@ -108,7 +108,8 @@ def _show(
         [
             [reach.gait, f"{reach.top_speed:.2f} m/s",
              "ok" if reach.miss < 1e-9 else f"{1e3 * reach.miss:.0f} mm short",
-             reach.tightest.joint, f"{math.degrees(reach.tightest.margin):.1f} deg", f"{1e3 * balance.margin:.0f} mm"]
+             reach.tightest.joint, f"{math.degrees(reach.tightest.margin):.1f} deg",
+             "dynamic" if balance.margin is None else f"{1e3 * balance.margin:.0f} mm"]
             for reach, balance in zip(reaches, balances, strict=True)
         ])
     write_table(

@@ -26,6 +26,7 @@ app.command("robotwalk.cli.sim:sim")
 app.command("robotwalk.cli.check:check")
 app.command("robotwalk.cli.list:app", name="list")
 app.command("robotwalk.cli.bench:app", name="bench")
+app.command("robotwalk.cli.servo:app", name="servo")
 
 
 def main() -> None:

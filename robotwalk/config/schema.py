@@ -126,5 +126,6 @@ class GaitConfig(Section):
     name: str
     description: str
     slowest_period_s: Positive
+    fastest_period_s: Positive | None = None  # None: as fast as the feet can swing
     balance: BalanceConfig | None = None  # None: the body keeps to its course
     swing: Annotated[dict[str, Annotated[list[Sector], Field(min_length=1)]], Field(min_length=3)]

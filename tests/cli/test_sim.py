@@ -25,6 +25,7 @@ PROTOCOL = PacketHandler(2.0)
 PING = bytes.fromhex("FF FF FD 00 01 03 00 01 19 4E")
 PING_STATUS = bytes.fromhex("FF FF FD 00 01 07 00 55 00 24 04")  # of model 1060; then firmware and CRC
 UNHURRIED = 5.0  # s; on a shared machine an answer may take that long
+SILENCE = 0.3  # s
 
 
 class Device(NamedTuple):
@@ -66,7 +67,10 @@ def assert_answers_ping(port: serial.Serial) -> None:
 def sdk(path: str) -> Iterator[PortHandler]:
     port = PortHandler(path)
     assert port.setBaudRate(1_000_000)
-    yield port
+    with pytest.MonkeyPatch.context() as patch:
+        # It waits 34 ms for an answer, which a shared machine may steal: let it wait 0.4 s.
+        patch.setattr("dynamixel_sdk.port_handler.LATENCY_TIMER", 200)
+        yield port
     port.closePort()
 
 
@@ -147,7 +151,7 @@ def test_the_truth_has_its_fields_and_its_rate(legs: str, place: Path) -> None:
     assert [b["sim_t"] - a["sim_t"] for a, b in itertools.pairwise(lines)] == pytest.approx([0.02] * 19)
     wall = lines[-1]["t"] - lines[0]["t"] - (lines[-1]["dropped_s"] - lines[0]["dropped_s"])
     assert wall == pytest.approx(0.38, abs=1e-5)
-    assert now - 1.0 < last["t"] <= now
+    assert now - 2.0 < last["t"] <= now
 
 
 def test_an_exchange_takes_the_time_of_the_wire(legs: str) -> None:
@@ -162,12 +166,12 @@ def test_an_exchange_takes_the_time_of_the_wire(legs: str) -> None:
             spent.append(time.monotonic() - began)
     # 32 bytes there and 260 back, 10 us each.
     assert min(spent) >= 2.92e-3
-    assert statistics.median(spent) < 20e-3
+    assert statistics.median(spent) < 50e-3
 
 
 @pytest.mark.parametrize("baud", [57_600, 4_000_000, 1_234_567])
 def test_servos_are_deaf_to_another_baud_rate(legs: str, baud: int) -> None:
-    with open_serial(legs, baud, timeout=0.1) as port:
+    with open_serial(legs, baud, timeout=SILENCE) as port:
         port.write(PING)
         assert port.read(14) == b""
         port.baudrate = 1_000_000
@@ -254,6 +258,26 @@ def test_it_ends_by_itself_after_its_duration(tmp_path: Path, robotwalk: Run) ->
     assert time.monotonic() - began > 0.5
     assert list((tmp_path / "dev").iterdir()) == []
     assert 10 <= len((tmp_path / "truth").read_text().splitlines()) <= 28
+
+
+def test_time_lost_in_a_long_stall_is_dropped_and_said(tmp_path: Path) -> None:
+    words = [*COMMAND, "sim", "hexapod", "--pty", str(tmp_path), "--truth", str(tmp_path / "truth")]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.readline()
+        for _ in range(2):
+            process.send_signal(signal.SIGSTOP)
+            time.sleep(0.4)
+            process.send_signal(signal.SIGCONT)
+            time.sleep(0.1)
+        with open_serial(str(tmp_path / "legs")) as port:
+            assert_answers_ping(port)
+        process.terminate()
+        assert process.stderr.read().count("simulated time was dropped") == 1
+    first, *_, last = truth(tmp_path)
+    assert last["dropped_s"] >= 0.7
+    assert last["t"] - first["t"] == pytest.approx(last["sim_t"] - first["sim_t"] + last["dropped_s"], abs=1e-5)
 
 
 def test_sockets_instead_of_terminals() -> None:

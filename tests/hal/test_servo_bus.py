@@ -110,7 +110,7 @@ def test_torque_comes_gently_limb_by_limb_after_the_goals() -> None:
     assert cap == b"\x83\x64\x00\x02\x00" + b"".join(bytes((i, 177, 0)) for i in (1, 2, 3, 4, 5))
     assert goals[:9] == b"\x83\x74\x00\x04\x00\x01\x64\x08\x00"
     assert torque == [b"\x03\x40\x00\x01"] * COUNT
-    caps = [int.from_bytes(frame[6:8], "little") for frame in writes(built)[2 + COUNT : -1]]
+    caps = [int.from_bytes(frame[6:8], "little") for frame in writes(built)[2 + COUNT :]]
     assert caps == [354, 531, 708, 885]
     assert [servo.table["goal_pwm"] for servo in built.servos] == [885] * COUNT
 

@@ -275,5 +275,5 @@ class TestBus:
     def test_a_read_that_brings_too_little_is_refused(self) -> None:
         servos = Servos(3)
         servos.memory[3] = servos.memory[3][:4]
-        with pytest.raises(BusError, match="answers a read of model_number with 1 bytes"):
+        with pytest.raises(BusError, match="does not answer to a read of model_number"):
             bus_of(servos, 3).arm(PERIOD)

@@ -1,0 +1,111 @@
+"""`robotwalk servo backup`, `restore` and `factory-reset`: all that a servo keeps without power."""
+
+import datetime
+import os
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from robotwalk import assembly
+from robotwalk.cli.output import say, write_json
+from robotwalk.cli.servo.options import Json, Line
+from robotwalk.cli.servo.registers import change_fields, change_text
+from robotwalk.errors import UsageError
+
+Flag = Parameter(negative="")
+
+
+def backup(
+    servo_id: int, file: Path, /, *, line: Line, force: Annotated[bool, Flag] = False, json: Json = False
+) -> None:
+    """Save all registers of a servo's EEPROM to a file.
+
+    Parameters
+    ----------
+    servo_id
+        0 to 252.
+    file
+        YAML, or JSON if its name ends so.
+    force
+        Overwrite the file if there is one.
+    """
+    if file.exists() and not force:
+        raise UsageError(f"{file} exists already; --force overwrites it")
+    if not os.access(file.parent, os.W_OK):
+        raise UsageError(f"{file} cannot be written")
+    time = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+    with line.reading() as bench:
+        saved = bench.backup(bench.servo(servo_id), time)
+    try:
+        file.write_text(assembly.backup_text(saved, file))
+    except OSError as error:
+        raise UsageError(f"{file} cannot be written: {error.strerror}") from error
+    if json:
+        write_json({"file": str(file), **saved.model_dump()})
+    else:
+        say(f"saved {len(saved.registers)} registers of id {saved.id} ({saved.model}) to {file}")
+
+
+def restore(
+    servo_id: int, file: Path, /, *, line: Line, with_id: Annotated[bool, Flag] = False, json: Json = False
+) -> None:
+    """Bring a servo's EEPROM back to what a backup holds. Only what differs is written; torque must be off.
+
+    Parameters
+    ----------
+    servo_id
+        0 to 252. It may be another servo of the same model.
+    file
+        From `robotwalk servo backup`.
+    with_id
+        Bring back the id and the baud rate too, last of all.
+    """
+    saved = assembly.read_backup(file)
+    with line.writing() as bench:
+        servo = bench.servo(servo_id)
+        done = bench.restore(servo, saved, with_id=with_id)
+    if json:
+        write_json({
+            "id": done.id, "baud": done.baud, "model": saved.model,
+            "changes": [change_fields(change) for change in done.changes], "same": done.same, "left": done.left})
+        return
+    for change in done.changes:
+        say(change_text(change))
+    say(f"{_registers(len(done.changes))} changed, {done.same} were the same; it is id {done.id} at {done.baud} baud")
+    if servo.identity.firmware != saved.firmware:
+        say(f"note: the backup is of firmware {saved.firmware}, the servo has {servo.identity.firmware}")
+    if done.left:
+        say(f"left as they are: {', '.join(done.left)} (--with-id brings them back)")
+
+
+def factory_reset(
+    servo_id: int, /, *, line: Line, keep: Literal["nothing", "id", "id-and-baud"] = "nothing",
+    yes: Annotated[bool, Flag] = False, json: Json = False,
+) -> None:
+    """Bring a servo back to what the factory has set, and say where it then is.
+
+    Parameters
+    ----------
+    servo_id
+        0 to 252.
+    keep
+        What to leave as it is. Feetech's servos leave no choice.
+    yes
+        Do it: everything that was set up in this servo is lost.
+    """
+    if not yes:
+        raise UsageError(
+            f"a factory reset loses all that was set up in id {servo_id}: save it with `robotwalk servo backup`, "
+            "then say --yes")
+    with line.writing() as bench:
+        servo = bench.servo(servo_id)
+        done = bench.factory_reset(servo, assembly.Keep(keep))
+    if json:
+        write_json({"id": done.id, "baud": done.baud, "model": servo.model.name, "changed": done.changed})
+    else:
+        say(f"{servo.model.name}: {_registers(done.changed)} changed; it is now id {done.id} at {done.baud} baud")
+
+
+def _registers(count: int) -> str:
+    return f"{count} register{'s' * (count != 1)}"

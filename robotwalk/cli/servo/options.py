@@ -1,0 +1,41 @@
+"""What all these commands are told: where the servos are, and how to answer."""
+
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from robotwalk import assembly
+
+BAUD = 1_000_000
+
+Port = Annotated[str, Parameter(help="The line: /dev/ttyUSB0, socket://host:port, or a bus of `robotwalk sim`.")]
+Protocol = Annotated[
+    Literal["dynamixel-2.0", "feetech-sts"] | None,
+    Parameter(help="What the servos speak. Default: found out by asking.")]
+Baud = Annotated[int, Parameter(help="The line's baud rate.")]
+Real = Annotated[bool, Parameter(negative="", help="Allow this on a physical servo.")]
+Json = Annotated[bool, Parameter(name="--json", negative="", help="One JSON object on stdout.")]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """A line that is only read from."""
+
+    port: Port
+    baud: Baud = BAUD
+    protocol: Protocol = None
+    real: Real = False
+
+    def reading(self) -> AbstractContextManager[assembly.Bench]:
+        """Open it, to look only."""
+        return self._open(writes=False)
+
+    def writing(self) -> AbstractContextManager[assembly.Bench]:
+        """Open it, to change something. Raises UsageError if that may be a physical servo and nobody said so."""
+        return self._open(writes=True)
+
+    def _open(self, *, writes: bool) -> AbstractContextManager[assembly.Bench]:
+        return assembly.bench(self.port, baud=self.baud, protocol=self.protocol, real=self.real, writes=writes)
