@@ -17,6 +17,10 @@ _SECOND_ANSWER = 5_000_000  # ns after a ping's answer: two servos with one id d
 _ATTEMPTS = 3  # at reading
 
 
+class NoAnswerError(BusError):
+    """The line is there; a servo is silent, or what it says is garbled."""
+
+
 class Heard(NamedTuple):
     """What came back."""
 
@@ -94,7 +98,7 @@ class Dialogue:
         """Return `size` bytes of a servo's table. Asks again if it must.
 
         Raises:
-            BusError: the servo is silent, or its answers are garbled.
+            NoAnswerError: the servo is silent, or its answers are garbled.
             ServoError: it refuses.
         """
         heard = Heard()
@@ -118,13 +122,13 @@ class Dialogue:
         if status and status.error:
             raise self._refusal(servo_id, status)
 
-    def nobody(self, servo_id: int, heard: Heard) -> BusError:
+    def nobody(self, servo_id: int, heard: Heard) -> NoAnswerError:
         """Return the error that says why there is no answer."""
         if heard.garbled or heard.of(servo_id):
-            return BusError(
+            return NoAnswerError(
                 f"what comes back from id {servo_id} at {self.port.baud} baud is garbled: two servos with one id, "
                 "a loose cable, or a wrong baud rate")
-        return BusError(
+        return NoAnswerError(
             f"no servo answers as id {servo_id} at {self.port.baud} baud; `robotwalk servo scan` tries all baud rates")
 
     def _refusal(self, servo_id: int, status: Status) -> ServoError:

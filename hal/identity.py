@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from hal import quantity
-from hal.dialogue import Dialogue
+from hal.dialogue import Dialogue, NoAnswerError
 from hal.encoding import unpack
 from hal.protocol import Status
 from hal.register_map import Register, ServoModel
-from robotwalk.errors import BusError, ServoError
+from robotwalk.errors import ServoError
 
 _FIRMWARE = "firmware_"  # how the names of the registers begin that hold its version
 
@@ -75,5 +75,5 @@ def _peek(dialogue: Dialogue, servo_id: int, register: Register) -> int | None:
     """Return a register's counts, None if the servo does not tell."""
     try:
         return unpack(register, dialogue.read(servo_id, register.address, register.size))
-    except (BusError, ServoError):
+    except (NoAnswerError, ServoError):
         return None

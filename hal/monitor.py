@@ -4,10 +4,11 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from hal.dialogue import NoAnswerError
 from hal.encoding import unpack
 from hal.register_map import Block, ServoModel
 from hal.servo import Servo
-from robotwalk.errors import BusError, ServoError
+from robotwalk.errors import ServoError
 
 _VOLTAGE, _TEMPERATURE = "present_input_voltage", "present_temperature"
 
@@ -31,7 +32,7 @@ def sample(servo: Servo) -> Sample | None:
     try:
         data = servo.dialogue.read(servo.id, block.address, block.size)
         errors = tuple(servo.faults())
-    except (BusError, ServoError):
+    except (NoAnswerError, ServoError):
         return None
     counts = {row.name: unpack(row, data[row.address - block.address :][: row.size]) for row in block.registers}
     position = counts[cyclic.position] - model.encoder.centre

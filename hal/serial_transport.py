@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import os
+import termios
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -60,7 +61,7 @@ class SerialPort:
             self._line.flush()
             self._line.baudrate = baud
             self._line.reset_input_buffer()
-        except (serial.SerialException, ValueError, OSError) as error:
+        except (serial.SerialException, ValueError, OSError, termios.error) as error:
             raise BusError(f"{self._url} cannot be set to {baud} baud: {error}") from error
 
     def fileno(self) -> int:

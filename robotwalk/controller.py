@@ -71,7 +71,9 @@ class Controller:
             seated = state in (State.SIT, State.FAULT)
             return Wanted(angles, STILL, 1.0, self._stepping.footfalls().planted, 0.0, False, seated)
         shaped, bearable = self._shape(state, command, estimate, dt)
-        twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=command.heading is not None)
+        # While a body shifts, its joints give to changing loads, and odometry sees turns that are none.
+        held = command.heading is not None or self._clock.gait.balance is not None
+        twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=held)
         height, posture = self._carriage(state, command)
         pose = self._body.step(twist, height, posture, dt)
         self._turn_needle(twist, bearable, dt)

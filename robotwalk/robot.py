@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import NamedTuple, Self
 
-from robotwalk.errors import SafetyStop, UsageError
+from robotwalk.errors import RobotwalkError, SafetyStop, UsageError
 from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Loop, Tick
 from robotwalk.model import RobotModel
@@ -159,7 +159,7 @@ class Robot:
         """Sit down if need be, switch torque off, give the ports back."""
         try:
             if not self._frozen:
-                self.sit()
+                self._sit_unwatched_if_need_be()
         except (KeyboardInterrupt, SystemExit):
             self._freeze()
             raise
@@ -171,6 +171,17 @@ class Robot:
             self._recorder = None
             if failure is not None:
                 self.note("log", failure)
+
+    def _sit_unwatched_if_need_be(self) -> None:
+        """Sit down; an observer that fails, as when its terminal is gone, must not keep the robot from it."""
+        try:
+            self.sit()
+        except RobotwalkError:
+            raise
+        except Exception as error:
+            self.observers.clear()
+            self.note("observer", f"an observer failed: {error!r}")
+            self.sit()
 
     def _request(self, request: Request) -> None:
         self.loop.supervisor.request(request)

@@ -27,7 +27,7 @@ class Steering:
             twist: the shaped one.
             yaw: by odometry, rad.
             dt: s since the last step.
-            held: whether the turning rate already comes from a heading to hold.
+            held: whether to let the turning rate be: it comes from a heading to hold, or odometry is not to be trusted.
         """
         if twist == STILL or held:
             self._heading = None

@@ -49,6 +49,10 @@ TRANSITIONS: dict[tuple[State, Request], State] = {
 }
 
 
+# Ticks in a row that must find a joint stale: a computer that stalled for a second finds all of them so, once.
+_AGREEING = 5
+
+
 class Supervisor:
     """Keeps the state; refuses what does not fit it."""
 
@@ -57,6 +61,7 @@ class Supervisor:
         self.state = State.STOP
         self.fault: str | None = None
         self._stale_after = stale_after
+        self._stale_ticks = 0
 
     def request(self, request: Request) -> None:
         """Change the state as asked.
@@ -74,7 +79,8 @@ class Supervisor:
     def step(self, oldest_joint: tuple[str, float], seated: bool) -> State:
         """Take note of the oldest joint sample (name, s) and of the body's height; return the state."""
         joint, age = oldest_joint
-        if self.state is not State.STOP and self.fault is None and age > self._stale_after:
+        self._stale_ticks = self._stale_ticks + 1 if age > self._stale_after else 0
+        if self.state is not State.STOP and self.fault is None and self._stale_ticks >= _AGREEING:
             self.fault = f"joint {joint} has not answered for {age:.2f} s"
             self.state = State.FAULT
         if seated:

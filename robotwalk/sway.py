@@ -1,39 +1,35 @@
 """Shifts the body over the feet that stand, where the gait's file asks for it: the crawl of four legs needs that.
 
-It looks ahead on the gait's circles: which feet will stand together, one support after the other, and where. It
+It looks ahead on the gait's circles: which feet will stand together, one stand after the other, and where. It
 chooses the shift, nearest to the present one, that keeps the centre of mass a margin inside all those polygons,
-for as many supports ahead as one shift can serve. The body goes there with least jerk; lift-offs wait until it
-has arrived. The centre of mass is taken to be fixed in the body: that of the standing robot.
+for as many stands ahead as one shift can serve. The body goes there with least jerk, and no faster than the
+standing feet can bear; lift-offs wait until it has arrived. The centre of mass is taken to be fixed in the body:
+that of the standing robot.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
 
 from robotwalk.body import advanced, placed, seen_from
-from robotwalk.gait import Gait, GaitClock, Support
+from robotwalk.gait import GaitClock
 from robotwalk.kinematics import resting_angles
 from robotwalk.model import RobotModel
-from robotwalk.stepping import Footfalls, footprint
+from robotwalk.stands import Stand, coming_stands
+from robotwalk.stepping import Footfalls
 from robotwalk.support import HalfPlane, centre_of_mass, nearest_inside, support_polygon
 from robotwalk.swing import Motion, least_jerk
 from robotwalk.types import Pose, Twist, Vec3
 
+_GRAVITY = 9.81  # m/s^2
 _NEW_SHIFT = 3e-3  # m; a smaller change of aim does not start a shift anew
 _FOLLOWING = 0.08  # s in which such a change is followed
+_SHARE = 0.6  # of the room between the feet that a shift may use; joints give, and the body rocks
+_GENTLEST = 0.3  # m/s^2
 _RETURN = 1.0  # m/s^2, back to the course
 _LEAST_JERK_PEAK = 10.0 / math.sqrt(3.0)  # largest acceleration x time^2 / way of a least-jerk motion from rest to rest
 _AT_REST = 5e-4  # m
 _ROUNDING = 1e-6  # s
 _STILL = Motion(0.0, 0.0, 0.0)
-
-
-class _Stand(NamedTuple):
-    """Feet that will stand together."""
-
-    begin: float  # s from now
-    end: float
-    feet: list[Vec3]  # in odom
 
 
 class Sway:
@@ -44,6 +40,8 @@ class Sway:
         self._centre = centre_of_mass(model, resting_angles(model, model.heights.stand))
         self._x = self._y = _STILL
         self._aim = (0.0, 0.0)
+        self._begun_for = self._begun_at = (0.0, 0.0)  # the last shift's aim and start
+        self._elapsed = 0.0  # s since then
         self._left = 0.0  # s until the aim shall be reached
         self._situation: object = None  # for which the aim was chosen
         self._waiting = False
@@ -56,7 +54,8 @@ class Sway:
     def release(self, until_lift_off: float) -> bool:
         """Aim for no shift at all; tell whether lift-offs, the next in `until_lift_off` s, have to wait for it."""
         self._situation = None
-        self._head_for((0.0, 0.0), 0.0, _RETURN)
+        self._head_for((0.0, 0.0), 0.0)
+        self._take_time(_RETURN)
         return self._left > until_lift_off + _ROUNDING
 
     def plan(
@@ -72,16 +71,18 @@ class Sway:
             twist: in force.
             until_lift_off: s to the next one.
         """
-        gait = clock.gait
-        assert gait.balance is not None
+        balance = clock.gait.balance
+        assert balance is not None
         posture = (pose.x - course.x, pose.y - course.y, pose.yaw - course.yaw)
         # In steady motion a plan holds; while the needle waits, the body moves on.
-        situation = (gait, gait.support_at(clock.phase), footfalls.planted, twist, posture)
+        situation = (clock.gait, clock.gait.support_at(clock.phase), footfalls.planted, twist, posture)
         if self._waiting or situation != self._situation:
             self._situation = situation
             level = pose._replace(roll=0.0, pitch=0.0)
-            aim = self._best_aim(self._stands(clock, footfalls, course, twist), level, twist, gait.balance.margin)
-            self._head_for(aim, until_lift_off, gait.balance.acceleration)
+            stands = coming_stands(self._legs, clock, footfalls, course, twist)
+            aim = self._best_aim(stands, level, twist, balance.margin)
+            self._head_for(aim, until_lift_off)
+            self._take_time(min(balance.acceleration, self._firmest(footfalls, advanced(level, twist, until_lift_off))))
         self._waiting = self._left > until_lift_off + _ROUNDING
         return self._waiting
 
@@ -92,20 +93,26 @@ class Sway:
         remaining = max(self._left, _FOLLOWING)
         self._x = least_jerk(self._x, self._aim[0], remaining, dt)
         self._y = least_jerk(self._y, self._aim[1], remaining, dt)
+        self._elapsed += dt
         self._left = max(self._left - dt, 0.0)
         x, y = placed(pose, Vec3(self._x.position, self._y.position, 0.0))
         return pose._replace(x=x, y=y)
 
-    def _head_for(self, aim: tuple[float, float], seconds: float, acceleration: float) -> None:
-        """Change the aim; a new shift takes `seconds`, or longer if it would be firmer than `acceleration`."""
-        if math.dist(aim, self._aim) > _NEW_SHIFT:
-            way = math.dist(aim, (self._x.position, self._y.position))
-            self._left = max(seconds, math.sqrt(_LEAST_JERK_PEAK * way / acceleration))
+    def _head_for(self, aim: tuple[float, float], seconds: float) -> None:
+        """Change the aim; if that begins a new shift, it shall take `seconds`."""
         self._aim = aim
+        if math.dist(aim, self._begun_for) > _NEW_SHIFT:
+            self._begun_for = aim
+            self._begun_at = self._x.position, self._y.position
+            self._elapsed, self._left = 0.0, seconds
 
-    def _best_aim(
-        self, stands: Iterable[_Stand], level: Pose, twist: Twist, margin: float
-    ) -> tuple[float, float]:
+    def _take_time(self, acceleration: float) -> None:
+        """Lengthen a shift under way that would be firmer than this, m/s^2."""
+        if self._elapsed == 0.0 or self._left > 0.0:
+            whole = math.sqrt(_LEAST_JERK_PEAK * math.dist(self._aim, self._begun_at) / acceleration)
+            self._left = max(self._left, whole - self._elapsed)
+
+    def _best_aim(self, stands: Iterable[Stand], level: Pose, twist: Twist, margin: float) -> tuple[float, float]:
         """Return the shift nearest to the present aim that serves as many of the stands, in order, as one shift can."""
         planes: list[HalfPlane] = []
         aim: tuple[float, float] | None = None
@@ -119,50 +126,43 @@ class Sway:
             aim = nearest
         return aim or self._aim
 
-    def _stands(self, clock: GaitClock, footfalls: Footfalls, course: Pose, twist: Twist) -> Iterator[_Stand]:
-        """Yield the feet that stand now and then the supports of the coming turn, where some foot is in the air."""
-        gait, period, planted = clock.gait, clock.period, footfalls.planted
-        places = list(footfalls.footprints)
-        first = gait.support_at(clock.phase)
-        if planted != gait.supports[first].standing:
-            yield from _stand(0.0, 0.0, places, planted)
-        end = 0.0
-        for index in range(first, first + len(gait.supports)):
-            support = gait.supports[index % len(gait.supports)]
-            begin, end = end, end + period * (support.left(clock.phase) if index == first else support.length)
-            yield from _stand(begin, end, places, support.standing)
-            for foot, leg in enumerate(self._legs):
-                # What is in the air now has its footprint; the others' will be below the body then.
-                if not support.standing[foot] and (planted[foot] or index != first):
-                    stance = _stance_after(gait, foot, support) * period
-                    places[foot] = footprint(leg, course, twist, end + 0.5 * stance)
-
-    def _allowed(self, stand: _Stand, level: Pose, twist: Twist, margin: float) -> list[HalfPlane]:
+    def _allowed(self, stand: Stand, level: Pose, twist: Twist, margin: float) -> list[HalfPlane]:
         """Return where the shift must lie, so that a stand bears the body from its begin to its end."""
         allowed = []
         for time in (stand.begin, stand.end):
-            feet = seen_from(advanced(level, twist, time), stand.feet)
-            for nx, ny, bound in support_polygon(feet):
+            for nx, ny, bound in support_polygon(seen_from(advanced(level, twist, time), stand.feet)):
                 reached = nx * self._centre.x + ny * self._centre.y
                 allowed.append(HalfPlane(nx, ny, bound + margin - reached))
         return allowed
 
-    def _middle(self, stand: _Stand, level: Pose, twist: Twist) -> tuple[float, float]:
+    def _middle(self, stand: Stand, level: Pose, twist: Twist) -> tuple[float, float]:
         feet = seen_from(advanced(level, twist, 0.5 * (stand.begin + stand.end)), stand.feet)
         count = max(len(feet), 1)
         return (sum(foot.x for foot in feet) / count - self._centre.x,
                 sum(foot.y for foot in feet) / count - self._centre.y)
 
+    def _firmest(self, footfalls: Footfalls, level: Pose) -> float:
+        """Return how firmly the body may start for its aim and brake there, m/s^2, if it is at `level` then.
 
-def _stand(
-    begin: float, end: float, places: Sequence[tuple[float, float]], standing: Sequence[bool]
-) -> Iterator[_Stand]:
-    """Yield nothing if all feet stand."""
-    if not all(standing):
-        feet = [Vec3(*place, 0.0) for place, stands in zip(places, standing, strict=True) if stands]
-        yield _Stand(begin, end, feet)
+        A centre of mass at height h that brakes with a presses on the ground h a / g ahead of itself; when it
+        starts, as far behind. That point, the zero-moment point, must stay well between the feet.
+        """
+        dx, dy = self._aim[0] - self._begun_at[0], self._aim[1] - self._begun_at[1]
+        way = math.hypot(dx, dy)
+        if way < _NEW_SHIFT:
+            return math.inf
+        x, y = self._centre.x + self._aim[0], self._centre.y + self._aim[1]
+        room = math.inf
+        for nx, ny, bound in support_polygon(seen_from(level, _on_ground(footfalls))):
+            inside = nx * x + ny * y - bound
+            along = (nx * dx + ny * dy) / way
+            if along < -_ROUNDING:  # a side ahead of the aim
+                room = min(room, -inside / along)
+            elif along > _ROUNDING:  # a side behind the start
+                room = min(room, inside / along - way)
+        return max(_SHARE * _GRAVITY * room / (level.z + self._centre.z), _GENTLEST)
 
 
-def _stance_after(gait: Gait, foot: int, support: Support) -> float:
-    sector = gait.sector_at(foot, (support.start + 0.5 * support.length) % 1.0)
-    return sector.stance if sector is not None else 0.0
+def _on_ground(footfalls: Footfalls) -> Sequence[Vec3]:
+    """Return where the feet stand or will be set down."""
+    return [Vec3(x, y, 0.0) for x, y in footfalls.footprints]

@@ -27,7 +27,7 @@ class StsTable(ControlTable):
 
     def write(self, address: int, data: bytes) -> set[str]:
         """Write raw bytes; return the names of the registers that took them."""
-        image = self.data.ljust(address, b"\0")
+        image = bytearray(self.data)
         image[address:address + len(data)] = data
         touched = dict.fromkeys(filter(None, map(self._by_byte.get, range(address, address + len(data)))))
         taken = set()

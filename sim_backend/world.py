@@ -74,6 +74,9 @@ class World:
         self.model.dof_armature[6:] = servos.armature
         self.model.dof_frictionloss[6:] = servos.coulomb
         self.model.dof_damping[6:] = servos.viscous
+        # With MuJoCo's default softness dry friction creeps, and a limp leg sinks onto its stop within seconds.
+        self.model.dof_solimp[6:, :2] = 0.999, 0.9999
+        self.model.dof_solref[6:, 0] = 2.0 * spec.option.timestep
         self._feet = [self.model.geom(f"{leg.name}_foot").id for leg in model.legs]
         self._ground = self.model.geom("ground").id
         self._yaw = 0.0

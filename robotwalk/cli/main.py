@@ -5,7 +5,7 @@ import sys
 from cyclopts import App, CycloptsError
 
 import robotwalk
-from robotwalk.cli.output import complain
+from robotwalk.cli.output import abandon_stdout, complain
 from robotwalk.errors import ConfigError, RobotwalkError
 
 _EPILOGUE = (
@@ -47,5 +47,6 @@ def main() -> None:
         code = 130
     except BrokenPipeError:
         # Whoever read our output has had enough of it.
+        abandon_stdout()
         code = 1
     sys.exit(code or 0)

@@ -1,6 +1,7 @@
 """`robotwalk walk`: stand up, walk, stop, sit; and say what came of it."""
 
 import math
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -8,7 +9,7 @@ from cyclopts import Parameter
 
 from robotwalk import assembly
 from robotwalk.cli.outing import Outing, Plan
-from robotwalk.cli.output import complain, progress_line, say, write_json
+from robotwalk.cli.output import abandon_stdout, complain, progress_line, say, write_json
 from robotwalk.errors import SafetyStop, UsageError
 
 Flag = Parameter(negative="")
@@ -105,10 +106,15 @@ def walk(
         with progress_line() as progress:
             outing.save_film(gif, lambda share: progress(f"drawing {gif}", share))
     fields = outing.report()
-    if json:
-        write_json(fields)
-    else:
-        _show(fields)
+    try:
+        if json:
+            write_json(fields)
+        else:
+            _show(fields)
+        sys.stdout.flush()
+    except OSError:
+        abandon_stdout()
+        code = code or 1
     if code == 0 and fields["fell"]:
         complain("the robot fell")
         code = SafetyStop.exit_code

@@ -4,12 +4,8 @@ Each test runs for each bundled robot, in process and in lock-step, over a pseud
 last two with the simulated robot in a process of its own, in real time.
 """
 
-import contextlib
-import json
 import math
 import socket
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -21,22 +17,11 @@ from robotwalk.config import library
 from robotwalk.errors import BusError
 from robotwalk.types import JointState
 
+from ..device import served
+
 PERIOD = 20_000_000  # ns; these tests are about the bus, not about a busy machine's pace
-COMMAND = [sys.executable, "-c", "from robotwalk.cli.main import main; main()"]
 
 Opener = Callable[[], assembly.Session]
-
-
-@contextlib.contextmanager
-def served(robot: str, *where: str) -> Iterator[dict[str, str]]:
-    """Run `robotwalk sim`; yield the URLs of its buses."""
-    device = subprocess.Popen([*COMMAND, "sim", robot, *where], stdout=subprocess.PIPE, text=True)
-    try:
-        assert device.stdout is not None
-        yield json.loads(device.stdout.readline())["buses"]
-    finally:
-        device.terminate()
-        assert device.wait(20) == 143
 
 
 def free_port() -> int:

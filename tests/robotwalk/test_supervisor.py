@@ -54,10 +54,16 @@ def test_being_seated_ends_sitting_down(state: State) -> None:
 def test_a_joint_unheard_of_is_a_fault(state: State) -> None:
     watched = supervisor(state)
     assert watched.step(("rm_tibia", 0.5), seated=False) is state
-    assert watched.step(("rm_tibia", 0.51), seated=False) is State.FAULT
-    assert watched.fault == "joint rm_tibia has not answered for 0.51 s"
+    # Once may be the computer's own stall; five ticks in a row are the joint's silence.
+    for age in (0.51, 0.52, 0.53, 0.54):
+        assert watched.step(("rm_tibia", age), seated=False) is state
+    assert watched.step(FRESH, seated=False) is state
+    for age in (0.51, 0.52, 0.53, 0.54):
+        assert watched.step(("rm_tibia", age), seated=False) is state
+    assert watched.step(("rm_tibia", 0.55), seated=False) is State.FAULT
+    assert watched.fault == "joint rm_tibia has not answered for 0.55 s"
     assert watched.step(("rf_coxa", 3.0), seated=False) is State.FAULT
-    assert watched.fault == "joint rm_tibia has not answered for 0.51 s"
+    assert watched.fault == "joint rm_tibia has not answered for 0.55 s"
     # The joint may come back: the robot sits down all the same, and stays there.
     assert watched.step(FRESH, seated=False) is State.FAULT
     assert watched.step(FRESH, seated=True) is State.STOP

@@ -106,6 +106,11 @@ def test_broadcast_ping_is_answered_in_the_order_of_ids_and_in_their_time_slots(
     assert bus.send(PING_ALL) == [Reply(3_500_000, PING_STATUS), Reply(2_860_000, PING_STATUS_OF_2)]
 
 
+def test_answers_that_outlast_their_slots_push_back_those_behind_them() -> None:
+    bus = Bus(1, 2, baud_rate=0, return_delay_time=0)
+    assert [reply.delay_ns for reply in bus.send(PING_ALL, baud=9600)] == [3_000_000, 0]
+
+
 def test_read() -> None:
     bus = Bus(1)
     bus.place(166)

@@ -282,6 +282,12 @@ def test_of_two_servos_with_one_id_both_obey() -> None:
     bus = Bus(1, 1)
     assert bus.ask(WRITE) == [OK]
     assert bus.table("goal_position") == [1000, 1000]
+    bus.place(2048, 5)
+    assert bus.ask(SYNC_READ) == [READ_STATUS]
+
+
+def test_a_frame_too_short_for_an_instruction_is_none() -> None:
+    assert Bus(0xFD).ask(b"\xff\xff\xfd\x01\x01") == []
 
 
 @given(st.binary(max_size=60))

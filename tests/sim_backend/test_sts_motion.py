@@ -147,7 +147,7 @@ class TestMotor:
 
 class TestInnerGoal:
     def test_it_moves_no_faster_than_the_firmware_lets_it(self) -> None:
-        rig = started()
+        rig = started(max_velocity_limit=254)
         rig.write(goal_position=3068)
         goals = rig.inner_goal(400)
         assert goals[99] == pytest.approx(2048 + 340)

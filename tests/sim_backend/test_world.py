@@ -83,3 +83,11 @@ def test_yaw_is_counted_on_past_a_whole_turn(simulation: assembly.Simulation) ->
         world.step(index)
     assert world.truth().base.yaw == pytest.approx(15.0, rel=0.15)
     assert world.truth().base.yaw > 2.0 * math.pi
+
+
+def test_a_limp_robot_stays_as_it_sits() -> None:
+    """Dry friction holds the legs: half a minute later every joint is still 0.3 rad inside its limits."""
+    simulation = assembly.simulate("hexapod")
+    simulation.world.clock.wait((), 30_000_000_000)
+    for joint, angle in zip(simulation.robot.model.joints, simulation.world.truth().joints, strict=True):
+        assert joint.lower + 0.3 <= angle <= joint.upper - 0.3, joint.name

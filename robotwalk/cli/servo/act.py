@@ -1,10 +1,10 @@
 """`robotwalk servo torque-off` and `reboot`."""
 
 from robotwalk.cli.output import complain, say, write_json
-from robotwalk.cli.servo.options import Json, Line
+from robotwalk.cli.servo.options import Json, Line, ServoId
 
 
-def torque_off(*servo_ids: int, line: Line, json: Json = False) -> None:
+def torque_off(*servo_ids: ServoId, line: Line, json: Json = False) -> None:
     """Let go of the shafts, and check that it is so. What these servos hold up will fall.
 
     Parameters
@@ -20,13 +20,9 @@ def torque_off(*servo_ids: int, line: Line, json: Json = False) -> None:
         say(f"torque is off: id {', '.join(str(servo.id) for servo in servos)}")
 
 
-def reboot(servo_id: int, /, *, line: Line, json: Json = False) -> None:
+def reboot(servo_id: ServoId, /, *, line: Line, json: Json = False) -> None:
     """Restart one servo: its torque goes off, RAM goes back to defaults, latched hardware errors are cleared.
 
-    Parameters
-    ----------
-    servo_id
-        0 to 252.
     """
     with line.writing() as bench:
         servo = bench.servo(servo_id)

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from robotwalk import assembly
 from robotwalk.cli.output import say, write_json
-from robotwalk.cli.servo.options import Json, Line
+from robotwalk.cli.servo.options import Json, Line, ServoId
 from robotwalk.cli.servo.registers import change_fields, change_text
 from robotwalk.errors import UsageError
 
@@ -17,14 +17,12 @@ Flag = Parameter(negative="")
 
 
 def backup(
-    servo_id: int, file: Path, /, *, line: Line, force: Annotated[bool, Flag] = False, json: Json = False
+    servo_id: ServoId, file: Path, /, *, line: Line, force: Annotated[bool, Flag] = False, json: Json = False
 ) -> None:
     """Save all registers of a servo's EEPROM to a file.
 
     Parameters
     ----------
-    servo_id
-        0 to 252.
     file
         YAML, or JSON if its name ends so.
     force
@@ -48,14 +46,14 @@ def backup(
 
 
 def restore(
-    servo_id: int, file: Path, /, *, line: Line, with_id: Annotated[bool, Flag] = False, json: Json = False
+    servo_id: ServoId, file: Path, /, *, line: Line, with_id: Annotated[bool, Flag] = False, json: Json = False
 ) -> None:
     """Bring a servo's EEPROM back to what a backup holds. Only what differs is written; torque must be off.
 
     Parameters
     ----------
     servo_id
-        0 to 252. It may be another servo of the same model.
+        It may be another servo of the same model.
     file
         From `robotwalk servo backup`.
     with_id
@@ -80,15 +78,13 @@ def restore(
 
 
 def factory_reset(
-    servo_id: int, /, *, line: Line, keep: Literal["nothing", "id", "id-and-baud"] = "nothing",
+    servo_id: ServoId, /, *, line: Line, keep: Literal["nothing", "id", "id-and-baud"] = "nothing",
     yes: Annotated[bool, Flag] = False, json: Json = False,
 ) -> None:
     """Bring a servo back to what the factory has set, and say where it then is.
 
     Parameters
     ----------
-    servo_id
-        0 to 252.
     keep
         What to leave as it is. Feetech's servos leave no choice.
     yes

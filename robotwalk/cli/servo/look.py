@@ -4,7 +4,7 @@ from typing import Any
 
 from robotwalk import assembly
 from robotwalk.cli.output import complain, progress_line, say, write_json, write_table
-from robotwalk.cli.servo.options import BAUD, Json, Line, Port, Protocol, Real
+from robotwalk.cli.servo.options import BAUD, Json, Line, Port, Protocol, Real, ServoId
 from robotwalk.errors import BusError
 
 
@@ -35,13 +35,9 @@ def scan(
     return 0 if search.found or search.clashes else BusError.exit_code
 
 
-def ping(servo_id: int, /, *, line: Line, json: Json = False) -> None:
+def ping(servo_id: ServoId, /, *, line: Line, json: Json = False) -> None:
     """Ask one servo whether it is there, and who it is.
 
-    Parameters
-    ----------
-    servo_id
-        0 to 252.
     """
     with line.reading() as bench:
         identity, seconds = bench.ping(servo_id)

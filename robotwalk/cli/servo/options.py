@@ -2,14 +2,22 @@
 
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from robotwalk import assembly
 
 BAUD = 1_000_000
+_LARGEST_ID = 252
 
+
+def _check_id(kind: Any, servo_id: int) -> None:
+    if not 0 <= servo_id <= _LARGEST_ID:
+        raise ValueError(f"an id is 0 to {_LARGEST_ID}, not {servo_id}")
+
+
+ServoId = Annotated[int, Parameter(validator=_check_id, help=f"0 to {_LARGEST_ID}.")]
 Port = Annotated[str, Parameter(help="The line: /dev/ttyUSB0, socket://host:port, or a bus of `robotwalk sim`.")]
 Protocol = Annotated[
     Literal["dynamixel-2.0", "feetech-sts"] | None,

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from robotwalk import assembly
 from robotwalk.cli.output import complain, say, write_json, write_table
-from robotwalk.cli.servo.options import Json, Line
+from robotwalk.cli.servo.options import Json, Line, ServoId
 from robotwalk.errors import UsageError
 
 Raw = Annotated[bool, Parameter(negative="", help="Counts, as on the wire, instead of units.")]
@@ -19,13 +19,9 @@ _NUMBERED = re.compile(r"(.*_)\d+")
 _FEW = 8  # registers of one numbered name; more are told in one row while nobody has touched them
 
 
-def info(servo_id: int, /, *, line: Line, json: Json = False) -> None:
+def info(servo_id: ServoId, /, *, line: Line, json: Json = False) -> None:
     """Show everything about one servo: model, firmware, hardware errors, and all its registers.
 
-    Parameters
-    ----------
-    servo_id
-        0 to 252.
     """
     with line.reading() as bench:
         servo = bench.servo(servo_id)
@@ -50,13 +46,11 @@ def info(servo_id: int, /, *, line: Line, json: Json = False) -> None:
         write_table(title, ["address", "register", "counts", "value", "factory", ""], list(_rows(rows, values)))
 
 
-def read(servo_id: int, /, *registers: str, line: Line, raw: Raw = False, json: Json = False) -> None:
+def read(servo_id: ServoId, /, *registers: str, line: Line, raw: Raw = False, json: Json = False) -> None:
     """Read registers of one servo by their names.
 
     Parameters
     ----------
-    servo_id
-        0 to 252.
     registers
         Names, as `robotwalk servo info` shows them.
     """
@@ -75,13 +69,11 @@ def read(servo_id: int, /, *registers: str, line: Line, raw: Raw = False, json: 
         say(f"{row.name} = {counts if raw else assembly.quantity.text(row, counts)}")
 
 
-def write(servo_id: int, /, *assignments: str, line: Line, raw: Raw = False, json: Json = False) -> None:
+def write(servo_id: ServoId, /, *assignments: str, line: Line, raw: Raw = False, json: Json = False) -> None:
     """Write registers of one servo, and read them back. What the EEPROM already holds is not written again.
 
     Parameters
     ----------
-    servo_id
-        0 to 252.
     assignments
         REGISTER=VALUE, the value in the register's unit: max_voltage_limit=12.5 or max_voltage_limit=12.5V.
     """

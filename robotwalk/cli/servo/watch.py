@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from robotwalk import assembly
 from robotwalk.cli.output import say, write_json
-from robotwalk.cli.servo.options import Json, Line
+from robotwalk.cli.servo.options import Json, Line, ServoId
 from robotwalk.clock import Grid
 from robotwalk.errors import UsageError
 
@@ -23,7 +23,7 @@ Samples = Sequence[assembly.Sample | None]
 
 
 def monitor(
-    *servo_ids: int, line: Line, rate: int = 5, seconds: float | None = None, json: Json = False
+    *servo_ids: ServoId, line: Line, rate: int = 5, seconds: float | None = None, json: Json = False
 ) -> None:
     """Show what servos measure, again and again. Nothing is switched on or moved.
 

@@ -74,7 +74,7 @@ def test_a_reboot_waits_for_the_servo(name: str) -> None:
 
 def test_a_feetech_servo_that_does_not_know_reboot_is_told() -> None:
     built = rig("sts3215", 1)
-    with pytest.raises(ServoError, match="its firmware seems not to know the instruction. Switch its power off and on"):
+    with pytest.raises(ServoError, match=r"seems not to know the instruction\. Switch its power off and on"):
         built.bench.reboot(built.bench.servo(1))
 
 
@@ -107,3 +107,15 @@ def test_a_sample_of_a_servo_that_has_gone_is_none(name: str) -> None:
     assert sample(servo) is None
     built.device.tamper = lambda sent, replies: replies
     assert sample(servo) is not None
+
+
+def test_a_line_that_is_gone_ends_the_monitor() -> None:
+    built = rig("xl430-w250", 1)
+    servo = built.bench.servo(1)
+
+    def broken() -> bytes:
+        raise BusError("/dev/ttyUSB0 is gone")
+
+    built.port.read = broken
+    with pytest.raises(BusError, match="is gone"):
+        sample(servo)

@@ -8,7 +8,7 @@ from hal.scan import Clash, Finding, Noise, Progress
 from sim_backend.adapter import LatencyTimer
 from sim_backend.device import Reply
 
-from .rig import BAUD_57600, MODELS, MS, S, STS3215, XL430, Chatter, TickingClock, rig
+from .rig import BAUD_57600, MODELS, MS, STS3215, XL430, Chatter, S, TickingClock, rig
 
 BRANDS = pytest.mark.parametrize("name", ["xl430-w250", "sts3215"])
 
@@ -56,8 +56,8 @@ def test_at_a_low_baud_rate_dynamixels_outlast_their_slots_and_are_all_found() -
 
 @BRANDS
 def test_behind_an_adapter_that_holds_replies_back_all_are_found_too(name: str) -> None:
-    built = rig(name, 1, 2, 3, 17, adapter=LatencyTimer(16 * MS))
-    assert [identity.id for identity in findings(built.bench)] == [1, 2, 3, 17]
+    built = rig(name, 1, 2, 3, 17, 252, adapter=LatencyTimer(16 * MS))
+    assert [identity.id for identity in findings(built.bench)] == [1, 2, 3, 17, 252]
 
 
 def test_an_empty_line_takes_the_slots_of_one_protocol_and_2_ms_a_ping_of_the_other() -> None:
@@ -90,8 +90,9 @@ def test_two_servos_with_one_id_that_answer_one_after_the_other(name: str) -> No
 
 
 @BRANDS
-def test_two_servos_with_one_id_whose_answers_collide(name: str) -> None:
-    built = rig(name, 4, 5, 6)
+@pytest.mark.parametrize("latency_ms", [0, 16])
+def test_two_servos_with_one_id_whose_answers_collide(name: str, latency_ms: int) -> None:
+    built = rig(name, 4, 5, 6, adapter=LatencyTimer(latency_ms * MS))
 
     def collide(sent: bytes, replies: list[Reply]) -> list[Reply]:
         at = 4 if name[0] == "x" else 2

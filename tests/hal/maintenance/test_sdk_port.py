@@ -94,6 +94,13 @@ def test_a_value_that_needs_stuffing_goes_there_and_back(value: bytes) -> None:
     assert b"\xff\xff\xfd\x00" not in built.device.heard[0][4:]
 
 
+def test_stuffing_is_taken_out_as_it_was_put_in() -> None:
+    built = rig("xl430-w250", 3)
+    value = b"\xff\xff\xfd\xff\xfd\xfd\x01\x02"  # of this the SDK alone makes one byte less
+    built.servos[0].table.data[112:120] = value
+    assert sdk(built, "xl430-w250").read(3, 112, 8) == value
+
+
 def test_another_handler_s_byte_order_is_none_of_our_business() -> None:
     built = rig("sts3215", 3)
     vendor = sdk(built, "sts3215")

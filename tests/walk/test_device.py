@@ -1,0 +1,123 @@
+"""Walking a robot in another process, over a pseudo-terminal, in real time; judged by what its body really does."""
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from ..device import COMMAND, last_truth, served
+
+
+class Device(NamedTuple):
+    """A simulated robot behind a port."""
+
+    robot: str
+    port: str  # BUS=URL
+    truth_file: Path
+
+    def truth(self) -> dict[str, Any]:
+        """Return what is the case now."""
+        time.sleep(0.1)
+        return last_truth(self.truth_file)
+
+    def walk(self, *words: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [*COMMAND, "walk", self.robot, "--port", self.port, *words], capture_output=True, text=True, check=False)
+
+    def start_walking(self) -> subprocess.Popen[str]:
+        """Start a long walk; return once the robot is under way."""
+        walk = subprocess.Popen(
+            [*COMMAND, "walk", self.robot, "--port", self.port, "--duration", "600"], text=True,
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        self.await_motion()
+        return walk
+
+    def await_motion(self) -> None:
+        deadline = time.monotonic() + 40.0
+        start = self.truth()["distance_m"]
+        while self.truth()["distance_m"] < start + 0.05:
+            assert time.monotonic() < deadline, "it does not walk"
+
+
+@pytest.fixture(params=["hexapod", "quadruped"])
+def device(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Device]:
+    yield from devices(request.param, tmp_path)
+
+
+@pytest.fixture
+def hexapod(tmp_path: Path) -> Iterator[Device]:
+    yield from devices("hexapod", tmp_path)
+
+
+def devices(robot: str, folder: Path, *words: str) -> Iterator[Device]:
+    truth = folder / "truth.jsonl"
+    with served(robot, "--pty", str(folder), "--truth", str(truth), *words) as buses:
+        yield Device(robot, f"legs={buses['legs']}", truth)
+
+
+def assert_seated(device: Device) -> None:
+    truth = device.truth()
+    assert truth["base"]["pos"][2] < 0.08
+    assert not truth["fell"]
+
+
+def test_it_walks_the_device(device: Device) -> None:
+    done = device.walk("--speed", "0.08", "--duration", "6", "--json")
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)
+    assert report["backend"] == "bus"
+    assert report["max_tilt_deg"] is None
+    assert report["energy_j"] is None
+    truth = device.truth()
+    assert not truth["fell"]
+    assert truth["distance_m"] > 0.3
+    assert report["distance_m"] == pytest.approx(truth["distance_m"], rel=0.25)
+    assert_seated(device)
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_a_killed_walk_sits_first_and_leaves_the_port_free(hexapod: Device, number: int, code: int) -> None:
+    walk = hexapod.start_walking()
+    walk.send_signal(number)
+    _, err = walk.communicate(timeout=60)
+    assert walk.returncode == code, err
+    assert "the robot sat down, torque is off" in err
+    assert_seated(hexapod)
+    assert hexapod.walk("--duration", "0.2").returncode == 0, "and the next one may walk"
+
+
+def test_a_closed_terminal_seats_the_robot(hexapod: Device) -> None:
+    child, terminal = pty.fork()
+    if child == 0:
+        os.execv(COMMAND[0], [*COMMAND, "walk", "hexapod", "--port", hexapod.port, "--duration", "600"])
+    hexapod.await_motion()
+    os.close(terminal)
+    _, status = os.waitpid(child, 0)
+    assert os.waitstatus_to_exitcode(status) == 129
+    assert_seated(hexapod)
+
+
+def test_a_slow_adapter_is_told_with_the_rate_at_which_it_can_walk(tmp_path: Path) -> None:
+    for device in devices("hexapod", tmp_path, "--adapter", "ftdi16"):
+        refused = device.walk("--duration", "1")
+        assert refused.returncode == 4
+        assert "latency_timer" in refused.stderr
+        rate = int(refused.stderr.rsplit("--rate ", 1)[1].split()[0])
+        assert 25 <= rate <= 52
+        walked = device.walk("--speed", "0.05", "--duration", "3", "--rate", str(rate - 10), "--json")
+        assert walked.returncode == 0, walked.stderr
+        assert device.truth()["distance_m"] > 0.08
+
+
+def test_the_first_motion_on_a_stand_is_weak(hexapod: Device) -> None:
+    done = hexapod.walk("--hang", "--speed", "0.03", "--duration", "1", "--json")
+    # On the ground a third of the torque may not do; in any case the robot ends seated, torque off.
+    assert done.returncode in (0, 5), done.stderr
+    assert_seated(hexapod)
