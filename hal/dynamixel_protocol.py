@@ -26,16 +26,17 @@ What `Receiver` makes of a garbled stream:
     half a frame                    kept for the next `feed`, until `reset`
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from enum import IntEnum
 from struct import Struct
 from typing import Self
 
 from fastcrc.crc16 import umts as crc16
 
+from hal.instructions import BROADCAST_ID as BROADCAST_ID
+from hal.instructions import Instruction, Instructions
 from hal.protocol import GroupReply, SeparateReplies, Status
 
-BROADCAST_ID = 0xFE
 MAX_ID = 252
 PING_SLOT_NS = 3_000_000  # what ROBOTIS's libraries allow for
 MAX_LENGTH = 1024  # our limit for L; no X-series control table is longer (e-Manual: it ends at 661)
@@ -43,25 +44,10 @@ MAX_LENGTH = 1024  # our limit for L; no X-series control table is longer (e-Man
 _HEADER = b"\xff\xff\xfd\x00"
 _HEAD = Struct("<4sBH")  # header, id, length
 _UINT16 = Struct("<H")
-_RANGE = Struct("<HH")  # address, length
 _STATUS = 0x55
 _ALERT = 0x80
 _MIN_LENGTH = 3  # instruction and CRC
 _STATUS_OVERHEAD = 11  # bytes of a status without parameters
-
-
-class Instruction(IntEnum):
-    """The instructions that are sent from here."""
-
-    PING = 0x01
-    READ = 0x02
-    WRITE = 0x03
-    REG_WRITE = 0x04
-    ACTION = 0x05
-    REBOOT = 0x08
-    SYNC_READ = 0x82
-    SYNC_WRITE = 0x83
-    FAST_SYNC_READ = 0x8A
 
 
 class ErrorNumber(IntEnum):
@@ -93,60 +79,21 @@ def describe_error(number: int) -> str:
     return next((error.description for error in ErrorNumber if error == number), unknown)
 
 
-def ping(servo_id: int) -> bytes:
-    """Ask for model number and firmware version. A broadcast asks everyone."""
-    return _instruction(servo_id, Instruction.PING)
+def _frame(servo_id: int, instruction: Instruction, parameters: bytes) -> bytes:
+    stuffed = parameters.replace(b"\xff\xff\xfd", b"\xff\xff\xfd\xfd")
+    length = len(stuffed) + _MIN_LENGTH
+    if length > MAX_LENGTH:
+        raise ValueError(f"a frame may be {MAX_LENGTH} bytes long, not {length}: send less at once")
+    frame = _HEAD.pack(_HEADER, servo_id, length) + bytes((instruction,)) + stuffed
+    return frame + _UINT16.pack(crc16(frame))
 
 
-def read(servo_id: int, address: int, length: int) -> bytes:
-    """Read `length` bytes from `address` on."""
-    if servo_id == BROADCAST_ID:
-        raise ValueError("no servo answers a broadcast read")
-    return _instruction(servo_id, Instruction.READ, _range(address, length))
-
-
-def write(servo_id: int, address: int, data: bytes) -> bytes:
-    """Write `data` from `address` on."""
-    return _instruction(servo_id, Instruction.WRITE, _range(address, len(data))[:2] + data)
-
-
-def reg_write(servo_id: int, address: int, data: bytes) -> bytes:
-    """Write `data` from `address` on when the next `action` comes."""
-    return _instruction(servo_id, Instruction.REG_WRITE, _range(address, len(data))[:2] + data)
-
-
-def action(servo_id: int) -> bytes:
-    """Carry out what `reg_write` registered."""
-    return _instruction(servo_id, Instruction.ACTION)
-
-
-def reboot(servo_id: int) -> bytes:
-    """Start the servo's firmware anew: torque goes off, RAM goes back to its defaults."""
-    return _instruction(servo_id, Instruction.REBOOT)
-
-
-def sync_write(address: int, length: int, items: Iterable[tuple[int, bytes]]) -> bytes:
-    """Write `length` bytes of its own to each (id, data), in one frame that nobody answers."""
-    items = tuple(items)
-    _check_ids([servo_id for servo_id, _ in items])
-    parts = [_range(address, length)]
-    for servo_id, data in items:
-        if len(data) != length:
-            raise ValueError(f"servo {servo_id}: expected {length} bytes of data, got {len(data)}")
-        parts += (bytes((servo_id,)), data)
-    return _instruction(BROADCAST_ID, Instruction.SYNC_WRITE, b"".join(parts))
-
-
-def sync_read(address: int, length: int, ids: Sequence[int]) -> bytes:
-    """Read the same `length` bytes of every servo; each answers with a status, in the order of `ids`."""
-    _check_ids(ids)
-    return _instruction(BROADCAST_ID, Instruction.SYNC_READ, _range(address, length) + bytes(ids))
-
-
-def fast_sync_read(address: int, length: int, ids: Sequence[int]) -> bytes:
-    """Read the same `length` bytes of every servo; they answer with one frame, see `FastSyncReply`."""
-    _check_ids(ids)
-    return _instruction(BROADCAST_ID, Instruction.FAST_SYNC_READ, _range(address, length) + bytes(ids))
+_instructions = Instructions(_frame, max_id=MAX_ID, address_bytes=2, largest=MAX_LENGTH - _MIN_LENGTH)
+ping, reboot = _instructions.ping, _instructions.reboot  # the status of a ping names model and firmware
+read, write = _instructions.read, _instructions.write
+reg_write, action = _instructions.reg_write, _instructions.action
+sync_write, sync_read = _instructions.sync_write, _instructions.sync_read
+fast_sync_read = _instructions.fast_sync_read
 
 
 def group_read(address: int, length: int, ids: Sequence[int], *, fast: bool) -> tuple[bytes, GroupReply]:
@@ -206,7 +153,7 @@ class FastSyncReply:
     waits = 1  # the return delay passes once for all
 
     def __init__(self, ids: Sequence[int], length: int) -> None:
-        _check_ids(ids)
+        _instructions.check_ids(ids)
         self._ids = tuple(ids)
         self._block = Struct(f"<BB{length}sH")  # error, id, data, CRC
         size = 1 + len(ids) * self._block.size
@@ -260,28 +207,6 @@ class FastSyncReply:
             self._arrived += 1
         self._crc = crc
         return pending[position:]
-
-
-def _instruction(servo_id: int, instruction: Instruction, parameters: bytes = b"") -> bytes:
-    if not (0 <= servo_id <= MAX_ID or servo_id == BROADCAST_ID):
-        raise ValueError(f"a servo's id is 0 to {MAX_ID}, not {servo_id}")
-    stuffed = parameters.replace(b"\xff\xff\xfd", b"\xff\xff\xfd\xfd")
-    length = len(stuffed) + _MIN_LENGTH
-    if length > MAX_LENGTH:
-        raise ValueError(f"a frame may be {MAX_LENGTH} bytes long, not {length}: send less at once")
-    frame = _HEAD.pack(_HEADER, servo_id, length) + bytes((instruction,)) + stuffed
-    return frame + _UINT16.pack(crc16(frame))
-
-
-def _range(address: int, length: int) -> bytes:
-    if not (address >= 0 and length > 0 and address + length <= 0x10000):
-        raise ValueError(f"there is no range of {length} bytes at address {address}")
-    return _RANGE.pack(address, length)
-
-
-def _check_ids(ids: Sequence[int]) -> None:
-    if not ids or len(set(ids)) != len(ids) or min(ids) < 0 or max(ids) > MAX_ID:
-        raise ValueError(f"expected different ids from 0 to {MAX_ID}, got {list(ids)}")
 
 
 def _frame_end(stream: bytes, start: int) -> int:

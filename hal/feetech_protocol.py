@@ -26,12 +26,13 @@ no other counts.
 """
 
 import re
-from collections.abc import Iterable, Sequence
-from enum import IntEnum, IntFlag
+from collections.abc import Sequence
+from enum import IntFlag
 
+from hal.instructions import BROADCAST_ID as BROADCAST_ID
+from hal.instructions import Instruction, Instructions
 from hal.protocol import GroupReply, SeparateReplies, Status
 
-BROADCAST_ID = 0xFE
 MAX_ID = 253
 PING_SLOT_NS = None  # not in Feetech's manual
 MAX_FRAME = 250  # bytes; Feetech's SDK sends no more
@@ -41,19 +42,6 @@ _ID, _LENGTH, _CODE, _BODY = 2, 3, 4, 5  # where they are in a frame; code: inst
 _OVERHEAD = 6  # bytes of a frame without parameters
 _LONGEST_DATA = MAX_FRAME - _OVERHEAD
 _LARGEST_ERROR = 0x7F  # Feetech's SDK believes no status with bit 7 of its error byte set
-
-
-class Instruction(IntEnum):
-    """The instructions that are sent from here."""
-
-    PING = 0x01
-    READ = 0x02
-    WRITE = 0x03
-    REG_WRITE = 0x04
-    ACTION = 0x05
-    REBOOT = 0x08
-    SYNC_READ = 0x82
-    SYNC_WRITE = 0x83
 
 
 class Fault(IntFlag):
@@ -77,54 +65,19 @@ def describe_error(number: int) -> str:
     return f"error number {number}, which the protocol does not define" if number else "no error"
 
 
-def ping(servo_id: int) -> bytes:
-    """Ask whether a servo is there; unlike others, the status names no model. A broadcast asks everyone."""
-    return _instruction(servo_id, Instruction.PING)
+def _frame(servo_id: int, instruction: Instruction, parameters: bytes) -> bytes:
+    size = _OVERHEAD + len(parameters)
+    if size > MAX_FRAME:
+        raise ValueError(f"a frame may be {MAX_FRAME} bytes long, not {size}: send less at once")
+    body = bytes((servo_id, len(parameters) + 2, instruction)) + parameters
+    return b"\xff\xff" + body + bytes((_checksum(body),))
 
 
-def read(servo_id: int, address: int, length: int) -> bytes:
-    """Read `length` bytes from `address` on."""
-    if servo_id == BROADCAST_ID:
-        raise ValueError("no servo answers a broadcast read")
-    return _instruction(servo_id, Instruction.READ, _range(address, length))
-
-
-def write(servo_id: int, address: int, data: bytes) -> bytes:
-    """Write `data` from `address` on."""
-    return _instruction(servo_id, Instruction.WRITE, _range(address, len(data))[:1] + data)
-
-
-def reg_write(servo_id: int, address: int, data: bytes) -> bytes:
-    """Write `data` from `address` on when the next `action` comes."""
-    return _instruction(servo_id, Instruction.REG_WRITE, _range(address, len(data))[:1] + data)
-
-
-def action(servo_id: int) -> bytes:
-    """Carry out what `reg_write` registered."""
-    return _instruction(servo_id, Instruction.ACTION)
-
-
-def reboot(servo_id: int) -> bytes:
-    """Start the servo's firmware anew. The manual lacks this one, and a servo may not know it."""
-    return _instruction(servo_id, Instruction.REBOOT)
-
-
-def sync_write(address: int, length: int, items: Iterable[tuple[int, bytes]]) -> bytes:
-    """Write `length` bytes of its own to each (id, data), in one frame that nobody answers."""
-    items = tuple(items)
-    _check_ids([servo_id for servo_id, _ in items], 1 + length)
-    parts = [_range(address, length)]
-    for servo_id, data in items:
-        if len(data) != length:
-            raise ValueError(f"servo {servo_id}: expected {length} bytes of data, got {len(data)}")
-        parts += (bytes((servo_id,)), data)
-    return _instruction(BROADCAST_ID, Instruction.SYNC_WRITE, b"".join(parts))
-
-
-def sync_read(address: int, length: int, ids: Sequence[int]) -> bytes:
-    """Read the same `length` bytes of every servo; each answers with a status, in the order of `ids`."""
-    _check_ids(ids, 1)
-    return _instruction(BROADCAST_ID, Instruction.SYNC_READ, _range(address, length) + bytes(ids))
+_instructions = Instructions(_frame, max_id=MAX_ID, address_bytes=1, largest=_LONGEST_DATA)
+ping, reboot = _instructions.ping, _instructions.reboot  # the manual lacks reboot, and a servo may not know it
+read, write = _instructions.read, _instructions.write
+reg_write, action = _instructions.reg_write, _instructions.action
+sync_write, sync_read = _instructions.sync_write, _instructions.sync_read
 
 
 def group_read(address: int, length: int, ids: Sequence[int], *, fast: bool) -> tuple[bytes, GroupReply]:
@@ -185,31 +138,5 @@ class Receiver:
         return start + _OVERHEAD + length
 
 
-def _instruction(servo_id: int, instruction: Instruction, parameters: bytes = b"") -> bytes:
-    if not (0 <= servo_id <= MAX_ID or servo_id == BROADCAST_ID):
-        raise ValueError(f"a servo's id is 0 to {MAX_ID}, not {servo_id}")
-    size = _OVERHEAD + len(parameters)
-    if size > MAX_FRAME:
-        raise ValueError(f"a frame may be {MAX_FRAME} bytes long, not {size}: send less at once")
-    body = bytes((servo_id, len(parameters) + 2, instruction)) + parameters
-    return b"\xff\xff" + body + bytes((_checksum(body),))
-
-
 def _checksum(body: bytes) -> int:
     return ~sum(body) & 0xFF
-
-
-def _range(address: int, length: int) -> bytes:
-    if not (address >= 0 and length > 0 and address + length <= 0x100):
-        raise ValueError(f"there is no range of {length} bytes at address {address}")
-    if length > _LONGEST_DATA:
-        raise ValueError(f"a frame holds {_LONGEST_DATA} bytes of data, not {length}: ask for less at once")
-    return bytes((address, length))
-
-
-def _check_ids(ids: Sequence[int], bytes_each: int) -> None:
-    if not ids or len(set(ids)) != len(ids) or min(ids) < 0 or max(ids) > MAX_ID:
-        raise ValueError(f"expected different ids from 0 to {MAX_ID}, got {list(ids)}")
-    most = (_LONGEST_DATA - 2) // bytes_each  # beside address and length
-    if len(ids) > most:
-        raise ValueError(f"{most} servos fit into a frame of {MAX_FRAME} bytes, not {len(ids)}")

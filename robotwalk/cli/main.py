@@ -21,12 +21,12 @@ app = App(
     suppress_keyboard_interrupt=False,
 )
 # Loaded when called: `--help` need not wait for MuJoCo.
-app.command("robotwalk.cli.walk:walk")
-app.command("robotwalk.cli.sim:sim")
-app.command("robotwalk.cli.check:check")
-app.command("robotwalk.cli.list:app", name="list")
-app.command("robotwalk.cli.bench:app", name="bench")
-app.command("robotwalk.cli.servo:app", name="servo")
+app.command("robotwalk.cli.walk:walk", help="Stand up, walk, stop and sit: in simulation, or on a bus.")
+app.command("robotwalk.cli.sim:sim", help="Serve a simulated robot as a device, in real time.")
+app.command("robotwalk.cli.servo:app", name="servo", help="Look after single servos on one bus.")
+app.command("robotwalk.cli.check:check", help="Check a robot's files: reach, balance, bus time.")
+app.command("robotwalk.cli.list:app", name="list", help="List the bundled robots, servos or gaits.")
+app.command("robotwalk.cli.bench:app", name="bench", help="Measure the tick or the simulation on this computer.")
 
 
 def main() -> None:

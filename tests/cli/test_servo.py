@@ -1,5 +1,6 @@
 """`robotwalk servo` as a user runs it, on the buses of simulated robots that `robotwalk sim` serves."""
 
+import functools
 import json
 import os
 import signal
@@ -11,11 +12,13 @@ from typing import Any
 
 import pytest
 
+from robotwalk import assembly
 from robotwalk.cli.main import main
 
 from .conftest import COMMAND, Result, Run
 
 MISSING = "/dev/ttyNONE"
+load_servo = functools.cache(assembly.load_servo)  # or most of the time would go into reading YAML
 
 # `main` reads the words from sys.argv, as it should.
 pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
@@ -49,6 +52,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
     """Run `robotwalk` in this process, on a terminal of 100 columns, in an empty folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr(assembly, "load_servo", load_servo)
 
     def run(*words: str) -> Result:
         monkeypatch.setattr("sys.argv", ["robotwalk", *words])

@@ -122,7 +122,7 @@ class TestInstructions:
             (lambda: read(254, 132, 4), "no servo answers a broadcast read"),
             (lambda: read(1, 65535, 4), "there is no range of 4 bytes at address 65535"),
             (lambda: write(1, 116, b""), "there is no range of 0 bytes at address 116"),
-            (lambda: write(1, 0, bytes(2000)), "a frame may be 1024 bytes long, not 2005: send less at once"),
+            (lambda: write(1, 0, bytes(2000)), "a frame holds 1021 bytes of data, not 2000: ask for less at once"),
             (lambda: sync_write(116, 4, [(7, b"\x01\x02")]), "servo 7: expected 4 bytes of data, got 2"),
             (lambda: sync_write(116, 4, []), r"expected different ids from 0 to 252, got \[\]"),
             (lambda: sync_read(132, 4, (1, 1)), r"expected different ids from 0 to 252, got \[1, 1\]"),

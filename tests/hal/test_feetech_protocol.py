@@ -125,13 +125,13 @@ class TestInstructions:
             (lambda: sync_read(56, 8, (254,)), r"expected different ids from 0 to 253, got \[254\]"),
             (
                 lambda: sync_write(41, 7, [(i, bytes(7)) for i in range(31)]),
-                "30 servos fit into a frame of 250 bytes, not 31",
+                "30 servos fit into a frame with 244 bytes of parameters, not 31",
             ),
             (
                 lambda: sync_write(42, 2, [(i, bytes(2)) for i in range(81)]),
-                "80 servos fit into a frame of 250 bytes, not 81",
+                "80 servos fit into a frame with 244 bytes of parameters, not 81",
             ),
-            (lambda: sync_read(56, 8, range(243)), "242 servos fit into a frame of 250 bytes, not 243"),
+            (lambda: sync_read(56, 8, range(243)), "242 servos fit into a frame with 244 bytes of parameters, not 243"),
             (lambda: group_read(56, 8, (1, 2), fast=True), "these servos have no fast sync read"),
         ],
     )

@@ -179,13 +179,34 @@ def test_a_sync_write_that_one_servo_refuses_reaches_the_others() -> None:
     assert [servo.table["goal_position"] for servo in bus.servos] == [2048, 170]
 
 
+@pytest.mark.parametrize(("option", "servo_id", "baud"), [(0xFF, 1, 57600), (1, 9, 57600), (2, 9, BAUD)])
+def test_a_factory_reset_is_answered_and_keeps_what_the_option_says(option: int, servo_id: int, baud: int) -> None:
+    bus = Bus(9)
+    bus.ask(write(9, 31, b"\x32"))
+    assert bus.ask(frame(9, bytes((6, option)))) == [status(9, 0)]
+    assert bus.ask(frame(9, PING[7:-2])) == []
+    bus.pass_time(400)
+    [servo] = bus.servos
+    assert (servo.id, servo.table["temperature_limit"], servo.table["firmware_version"]) == (servo_id, 72, 45)
+    assert bus.send(frame(servo_id, PING[7:-2]), baud) != []
+
+
+def test_a_factory_reset_of_all_to_one_id_and_an_unknown_option_are_refused() -> None:
+    bus = Bus(1, 9)
+    assert bus.ask(frame(0xFE, b"\x06\xff")) == []
+    assert bus.ask(frame(1, b"\x06\x03")) == [status(1, 4)]
+    assert bus.ask(frame(1, b"\x06")) == [status(1, 5)]
+    assert [servo.id for servo in bus.servos] == [1, 9]
+    assert bus.ask(FACTORY_RESET) == [DONE]  # the e-Manual's
+
+
 def test_fast_sync_read_is_one_frame_with_running_crcs_and_one_return_delay() -> None:
     bus = Bus(3, 7, 4)
     bus.place(166, 2079, 1023)
     assert bus.send(FAST_SYNC_READ) == [Reply(500_000, FAST_SYNC_STATUS)]
 
 
-@pytest.mark.parametrize("instruction", [FACTORY_RESET, CLEAR, frame(1, b"\x7f"), frame(1, SYNC_READ[7:-2])])
+@pytest.mark.parametrize("instruction", [CLEAR, frame(1, b"\x7f"), frame(1, SYNC_READ[7:-2])])
 def test_unknown_instructions_are_instruction_errors(instruction: bytes) -> None:
     assert Bus(1).ask(instruction) == [status(1, 2)]
 

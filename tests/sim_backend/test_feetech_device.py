@@ -1,5 +1,7 @@
 """The STS3215 seen from the wire: literal bytes, and Feetech's own SDK."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pytest
 import scservo_sdk
@@ -20,7 +22,7 @@ MS = 1_000_000
 class Bus:
     """Servos on one wire, their shafts where the test puts them; time passes by hand."""
 
-    def __init__(self, *ids: int, firmware: dict[str, object] = {}, **factory_settings: int) -> None:
+    def __init__(self, *ids: int, firmware: Mapping[str, object] = {}, **factory_settings: int) -> None:
         model = MODEL.model_copy(update={"firmware": MODEL.firmware.model_copy(update=firmware)})
         self.physics = ServoPhysics([model] * len(ids))
         self.servos = [StsServo(self.physics, i, id=servo_id, **factory_settings) for i, servo_id in enumerate(ids)]

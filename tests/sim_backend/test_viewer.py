@@ -29,7 +29,7 @@ def test_a_browser_sees_the_robot_walk_and_stdout_is_left_to_the_data(tmp_path: 
             [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
              "--disable-background-networking", "--disable-component-update", "--disable-sync",
              "--use-angle=swiftshader", "--enable-unsafe-swiftshader", f"--user-data-dir={tmp_path / 'profile'}",
-             "--virtual-time-budget=20000", "--timeout=6000", "--window-size=900,600", f"--screenshot={picture}", URL],
+             "--virtual-time-budget=8000", "--timeout=6000", "--window-size=320,240", f"--screenshot={picture}", URL],
             capture_output=True, timeout=60, check=True)
         out, err = walk.communicate(timeout=60)
     finally:
@@ -40,7 +40,7 @@ def test_a_browser_sees_the_robot_walk_and_stdout_is_left_to_the_data(tmp_path: 
     with Image.open(picture) as page:
         orange = sum(count for count, (r, g, b) in page.convert("RGB").getcolors(1 << 24)
                      if r > 180 and 90 < g < 190 and b < 120)
-    assert orange > 200, "the body is orange"
+    assert orange > 30, "the body is orange"
 
 
 def wait_for_page(walk: subprocess.Popen[str]) -> None:

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from robotwalk import assembly
-from robotwalk.cli.output import say, write_json
+from robotwalk.assembly import workbench
+from robotwalk.cli.output import complain, say, write_json
 from robotwalk.cli.servo.options import Json, Line, ServoId
 from robotwalk.cli.servo.registers import change_fields, change_text
 from robotwalk.errors import UsageError
@@ -36,7 +36,7 @@ def backup(
     with line.reading() as bench:
         saved = bench.backup(bench.servo(servo_id), time)
     try:
-        file.write_text(assembly.backup_text(saved, file))
+        file.write_text(workbench.backup_text(saved, file))
     except OSError as error:
         raise UsageError(f"{file} cannot be written: {error.strerror}") from error
     if json:
@@ -59,7 +59,7 @@ def restore(
     with_id
         Bring back the id and the baud rate too, last of all.
     """
-    saved = assembly.read_backup(file)
+    saved = workbench.read_backup(file)
     with line.writing() as bench:
         servo = bench.servo(servo_id)
         done = bench.restore(servo, saved, with_id=with_id)
@@ -96,11 +96,13 @@ def factory_reset(
             "then say --yes")
     with line.writing() as bench:
         servo = bench.servo(servo_id)
-        done = bench.factory_reset(servo, assembly.Keep(keep))
+        done = bench.factory_reset(servo, workbench.Keep(keep))
     if json:
         write_json({"id": done.id, "baud": done.baud, "model": servo.model.name, "changed": done.changed})
     else:
         say(f"{servo.model.name}: {_registers(done.changed)} changed; it is now id {done.id} at {done.baud} baud")
+    if not done.changed:
+        complain("nothing has changed: it was as the factory made it, or its firmware does not know the instruction")
 
 
 def _registers(count: int) -> str:

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from robotwalk import assembly
+from robotwalk.assembly import workbench
 from robotwalk.cli.output import complain, progress_line, say, write_json, write_table
 from robotwalk.cli.servo.options import BAUD, Json, Line, Port, Protocol, Real, ServoId
 from robotwalk.errors import BusError
@@ -19,7 +19,7 @@ def scan(
         Look at this baud rate only.
     """
     search = _Search()
-    with assembly.bench(port, baud=baud or BAUD, protocol=protocol, real=real, writes=False) as bench:
+    with workbench.bench(port, baud=baud or BAUD, protocol=protocol, real=real, writes=False) as bench:
         try:
             search.run(bench, [baud] if baud else bench.bauds())
         except KeyboardInterrupt:
@@ -50,7 +50,7 @@ def ping(servo_id: ServoId, /, *, line: Line, json: Json = False) -> None:
         complain(f"id {identity.id} reports a hardware error: see `robotwalk servo info {identity.id}`")
 
 
-def identity_fields(identity: assembly.Identity) -> dict[str, Any]:
+def identity_fields(identity: workbench.Identity) -> dict[str, Any]:
     """Return what a servo says of itself, for JSON."""
     fields = identity._asdict()
     return fields | {"model": identity.model.name if identity.model else None}
@@ -60,13 +60,13 @@ class _Search:
     """What a scan has found so far."""
 
     def __init__(self) -> None:
-        self.found: list[assembly.Identity] = []
-        self.clashes: list[assembly.Clash] = []
+        self.found: list[workbench.Identity] = []
+        self.clashes: list[workbench.Clash] = []
         self.interrupted = False
-        self._noise: list[assembly.Noise] = []
+        self._noise: list[workbench.Noise] = []
         self._refused: list[int] = []  # baud rates
 
-    def run(self, bench: assembly.Bench, bauds: list[int]) -> None:
+    def run(self, bench: workbench.Bench, bauds: list[int]) -> None:
         """Look at each baud rate.
 
         Raises:
@@ -83,16 +83,16 @@ class _Search:
                     continue
                 for finding in bench.scan():
                     self._note(finding)
-                    share = finding.share if isinstance(finding, assembly.Progress) else 1.0
+                    share = finding.share if isinstance(finding, workbench.Progress) else 1.0
                     progress(f"{baud} baud, {len(self.found)} found", (index + share) / len(bauds))
 
-    def _note(self, finding: assembly.Finding) -> None:
+    def _note(self, finding: workbench.Finding) -> None:
         match finding:
-            case assembly.Identity():
+            case workbench.Identity():
                 self.found.append(finding)
-            case assembly.Clash():
+            case workbench.Clash():
                 self.clashes.append(finding)
-            case assembly.Noise() if finding not in self._noise:
+            case workbench.Noise() if finding not in self._noise:
                 self._noise.append(finding)
 
     def complaints(self) -> list[str]:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from robotwalk import assembly
+from robotwalk.assembly import workbench
 
 BAUD = 1_000_000
 _LARGEST_ID = 252
@@ -37,13 +37,13 @@ class Line:
     protocol: Protocol = None
     real: Real = False
 
-    def reading(self) -> AbstractContextManager[assembly.Bench]:
+    def reading(self) -> AbstractContextManager[workbench.Bench]:
         """Open it, to look only."""
         return self._open(writes=False)
 
-    def writing(self) -> AbstractContextManager[assembly.Bench]:
+    def writing(self) -> AbstractContextManager[workbench.Bench]:
         """Open it, to change something. Raises UsageError if that may be a physical servo and nobody said so."""
         return self._open(writes=True)
 
-    def _open(self, *, writes: bool) -> AbstractContextManager[assembly.Bench]:
-        return assembly.bench(self.port, baud=self.baud, protocol=self.protocol, real=self.real, writes=writes)
+    def _open(self, *, writes: bool) -> AbstractContextManager[workbench.Bench]:
+        return workbench.bench(self.port, baud=self.baud, protocol=self.protocol, real=self.real, writes=writes)

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from robotwalk import assembly
+from robotwalk.assembly import workbench
 from robotwalk.cli.output import complain, say, write_json, write_table
 from robotwalk.cli.servo.options import Json, Line, ServoId
 from robotwalk.errors import UsageError
@@ -58,7 +58,7 @@ def read(servo_id: ServoId, /, *registers: str, line: Line, raw: Raw = False, js
         raise UsageError("say which registers; `robotwalk servo info` shows all")
     with line.reading() as bench:
         servo = bench.servo(servo_id)
-        rows = [assembly.quantity.register_of(servo.model, name) for name in dict.fromkeys(registers)]
+        rows = [workbench.quantity.register_of(servo.model, name) for name in dict.fromkeys(registers)]
         values = {row.name: servo.read(row.name) for row in rows}
     if json:
         fields = {row.name: _fields(row, values[row.name]) for row in rows}
@@ -66,7 +66,7 @@ def read(servo_id: ServoId, /, *registers: str, line: Line, raw: Raw = False, js
         return
     for row in rows:
         counts = values[row.name]
-        say(f"{row.name} = {counts if raw else assembly.quantity.text(row, counts)}")
+        say(f"{row.name} = {counts if raw else workbench.quantity.text(row, counts)}")
 
 
 def write(servo_id: ServoId, /, *assignments: str, line: Line, raw: Raw = False, json: Json = False) -> None:
@@ -96,13 +96,13 @@ def write(servo_id: ServoId, /, *assignments: str, line: Line, raw: Raw = False,
             change_fields(change) | {"asked": counts} for change, (_, counts) in zip(changes, wanted, strict=True)]})
 
 
-def change_fields(change: assembly.Change) -> dict[str, Any]:
+def change_fields(change: workbench.Change) -> dict[str, Any]:
     """Return what a write did, for JSON."""
     before = None if change.before is None else _fields(change.register, change.before)
     return {"register": change.register.name, "before": before, "after": _fields(change.register, change.after)}
 
 
-def change_text(change: assembly.Change) -> str:
+def change_text(change: workbench.Change) -> str:
     """Return what a write did, for a person."""
     return _told(change, raw=False)
 
@@ -114,14 +114,14 @@ def _split(words: str) -> tuple[str, str]:
     return name.strip(), value
 
 
-def _counts(servo: assembly.Servo, name: str, words: str, raw: bool) -> int:
-    register = assembly.quantity.register_of(servo.model, name)
-    return assembly.quantity.counts(register, words, raw=raw)
+def _counts(servo: workbench.Servo, name: str, words: str, raw: bool) -> int:
+    register = workbench.quantity.register_of(servo.model, name)
+    return workbench.quantity.counts(register, words, raw=raw)
 
 
-def _told(change: assembly.Change, raw: bool) -> str:
+def _told(change: workbench.Change, raw: bool) -> str:
     def text(counts: int) -> str:
-        return str(counts) if raw else assembly.quantity.text(change.register, counts)
+        return str(counts) if raw else workbench.quantity.text(change.register, counts)
 
     name = change.register.name
     if change.before is None:
@@ -131,13 +131,13 @@ def _told(change: assembly.Change, raw: bool) -> str:
     return f"{name} = {text(change.after)} already; not written"
 
 
-def _fields(register: assembly.Register, counts: int) -> dict[str, Any]:
+def _fields(register: workbench.Register, counts: int) -> dict[str, Any]:
     return {
-        "raw": counts, "value": assembly.quantity.in_units(register, counts), "unit": register.unit,
-        **({"flags": assembly.quantity.flags(register, counts)} if register.flags else {})}
+        "raw": counts, "value": workbench.quantity.in_units(register, counts), "unit": register.unit,
+        **({"flags": workbench.quantity.flags(register, counts)} if register.flags else {})}
 
 
-def _rows(registers: list[assembly.Register], values: Mapping[str, int | None]) -> Iterator[list[str]]:
+def _rows(registers: list[workbench.Register], values: Mapping[str, int | None]) -> Iterator[list[str]]:
     """Yield a line for each register; one for many that are numbered and as the factory set them."""
     for stem, group in itertools.groupby(sorted(registers, key=lambda row: row.address), key=_stem):
         rows = list(group)
@@ -148,16 +148,16 @@ def _rows(registers: list[assembly.Register], values: Mapping[str, int | None]) 
             yield from (_row(row, values[row.name]) for row in rows)
 
 
-def _stem(register: assembly.Register) -> str:
+def _stem(register: workbench.Register) -> str:
     match = _NUMBERED.fullmatch(register.name)
     return match[1] if match else register.name
 
 
-def _row(register: assembly.Register, counts: int | None) -> list[str]:
+def _row(register: workbench.Register, counts: int | None) -> list[str]:
     access = "" if register.access == "rw" else "read-only"
     if counts is None:
         return [str(register.address), register.name, "", "not in this firmware", "", access]
-    text = assembly.quantity.text
+    text = workbench.quantity.text
     differs = register.default not in (None, counts)
     factory = text(register, register.default) if differs and register.default is not None else ""
     return [str(register.address), register.name, str(counts), text(register, counts), factory, access]

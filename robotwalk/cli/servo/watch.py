@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from robotwalk import assembly
+from robotwalk.assembly import workbench
 from robotwalk.cli.output import say, write_json
 from robotwalk.cli.servo.options import Json, Line, ServoId
 from robotwalk.clock import Grid
@@ -19,7 +19,7 @@ _NS = 1_000_000_000
 _COLUMNS = ("id", "model", "position", "velocity", "load", "supply", "temperature", "hardware")
 _LARGEST_RATE = 200
 
-Samples = Sequence[assembly.Sample | None]
+Samples = Sequence[workbench.Sample | None]
 
 
 def monitor(
@@ -47,7 +47,7 @@ def monitor(
 
 
 def _watch(
-    bench: assembly.Bench, servos: list[assembly.Servo], rate: int, seconds: float | None,
+    bench: workbench.Bench, servos: list[workbench.Servo], rate: int, seconds: float | None,
     show: Callable[[float, Samples], None],
 ) -> None:
     """Sample on a grid of absolute deadlines."""
@@ -57,12 +57,12 @@ def _watch(
     while grid.deadline <= ends:
         bench.clock.wait((), grid.deadline)
         at = bench.clock.now()
-        show((at - began) / _NS, [assembly.sample(servo) for servo in servos])
+        show((at - began) / _NS, [workbench.sample(servo) for servo in servos])
         grid.advance(bench.clock.now())
 
 
 @contextmanager
-def _json_lines(servos: list[assembly.Servo]) -> Iterator[Callable[[float, Samples], None]]:
+def _json_lines(servos: list[workbench.Servo]) -> Iterator[Callable[[float, Samples], None]]:
     def show(t: float, samples: Samples) -> None:
         write_json({"t": round(t, 4), "servos": [
             _fields(servo, sample) for servo, sample in zip(servos, samples, strict=True)]})
@@ -72,7 +72,7 @@ def _json_lines(servos: list[assembly.Servo]) -> Iterator[Callable[[float, Sampl
 
 
 @contextmanager
-def _live(servos: list[assembly.Servo]) -> Iterator[Callable[[float, Samples], None]]:
+def _live(servos: list[workbench.Servo]) -> Iterator[Callable[[float, Samples], None]]:
     """Redraw a table on a terminal; elsewhere write a line for each servo."""
     if not sys.stdout.isatty():
 
@@ -89,7 +89,7 @@ def _live(servos: list[assembly.Servo]) -> Iterator[Callable[[float, Samples], N
         yield lambda t, samples: live.update(_table(t, servos, samples), refresh=True)
 
 
-def _table(t: float, servos: list[assembly.Servo], samples: Samples) -> "Table":
+def _table(t: float, servos: list[workbench.Servo], samples: Samples) -> "Table":
     from rich.table import Table
 
     table = Table(title=f"{t:.1f} s    Ctrl-C ends", title_justify="left")
@@ -100,7 +100,7 @@ def _table(t: float, servos: list[assembly.Servo], samples: Samples) -> "Table":
     return table
 
 
-def _cells(servo: assembly.Servo, sample: assembly.Sample | None) -> list[str]:
+def _cells(servo: workbench.Servo, sample: workbench.Sample | None) -> list[str]:
     if sample is None:
         return [str(servo.id), servo.model.name, "", "", "", "", "", "no answer"]
     return [
@@ -109,7 +109,7 @@ def _cells(servo: assembly.Servo, sample: assembly.Sample | None) -> list[str]:
         ", ".join(sample.errors) or "ok"]
 
 
-def _fields(servo: assembly.Servo, sample: assembly.Sample | None) -> dict[str, Any]:
+def _fields(servo: workbench.Servo, sample: workbench.Sample | None) -> dict[str, Any]:
     if sample is None:
         return {"id": servo.id, "answered": False}
     fields = {name: round(value, 3) if isinstance(value, float) else value for name, value in sample._asdict().items()}

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hal.maintenance import Bench
+from hal.maintenance.bench import Bench
 from robotwalk.assembly import load_servo
 from sim_backend.adapter import Adapter
 from sim_backend.brands import make_device, make_servo

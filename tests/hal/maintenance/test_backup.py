@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 import yaml
 
-from hal.backup import Backup, problems, to_json, to_yaml
-from hal.vendors import vendor_sdk
+from hal.maintenance.backup import Backup, problems, to_json, to_yaml
+from hal.maintenance.vendors import vendor_sdk
 from robotwalk.errors import BusError, ServoError
 
 from .rig import BAUD_57600, STS3215, XL430, Rig, rig

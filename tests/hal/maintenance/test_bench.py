@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from hal.monitor import Sample, sample
+from hal.maintenance.monitor import Sample, sample
 from robotwalk.errors import BusError, ServoError
+from sim_backend.device import Reply
 
 from .rig import MS, S, rig
 
@@ -119,3 +120,18 @@ def test_a_line_that_is_gone_ends_the_monitor() -> None:
     built.port.read = broken
     with pytest.raises(BusError, match="is gone"):
         sample(servo)
+
+
+@BRANDS
+def test_a_servo_whose_first_answer_comes_late_is_found_all_the_same(name: str) -> None:
+    built = rig(name, 1)
+    late: list[bytes] = []
+
+    def once(sent: bytes, replies: list[Reply]) -> list[Reply]:
+        if replies and not late:
+            late.append(sent)
+            return [Reply(60 * MS, replies[0].data)]  # it comes into the next protocol's ping
+        return replies
+
+    built.device.tamper = once
+    assert built.bench.servo(1).id == 1

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hal.vendor_sdk import Keep
+from hal.maintenance.vendor_sdk import Keep
 from robotwalk.errors import BusError, ServoError, UsageError
 
 from .rig import BAUD_57600, rig

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hal import quantity
+from hal.maintenance import quantity
 from robotwalk.errors import UsageError
 
 from .rig import STS3215, XL430

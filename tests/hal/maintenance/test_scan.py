@@ -2,9 +2,9 @@
 
 import pytest
 
-from hal.identity import Identity
-from hal.maintenance import Bench
-from hal.scan import Clash, Finding, Noise, Progress
+from hal.maintenance.bench import Bench
+from hal.maintenance.identity import Identity
+from hal.maintenance.scan import Clash, Finding, Noise, Progress
 from sim_backend.adapter import LatencyTimer
 from sim_backend.device import Reply
 

@@ -4,9 +4,9 @@ import pytest
 import scservo_sdk
 from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS, PacketHandler
 
-from hal.dynamixel_vendor import DynamixelSdk
-from hal.feetech_vendor import FeetechSdk
-from hal.sdk_port import SdkPort
+from hal.maintenance.dynamixel_vendor import DynamixelSdk
+from hal.maintenance.feetech_vendor import FeetechSdk
+from hal.maintenance.sdk_port import SdkPort
 from robotwalk.errors import BusError
 
 from .rig import MS, Chatter, Rig, TickingClock, rig

@@ -6,9 +6,9 @@ from typing import Literal, NamedTuple
 
 from pydantic import Field
 
-from hal import quantity
+from hal.maintenance import quantity
+from hal.maintenance.servo import Change, Servo
 from hal.register_map import Access, Memory, Register, Row, ServoModel
-from hal.servo import Change, Servo
 from robotwalk.errors import BusError, ServoError, UsageError
 
 _ADDRESS = ("id", "baud_rate")  # how a servo is reached; restored last, and only if asked for

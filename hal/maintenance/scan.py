@@ -9,8 +9,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from hal.dialogue import Dialogue, Heard
-from hal.identity import Identity, identify
+from hal.maintenance.dialogue import Dialogue, Heard
+from hal.maintenance.identity import Identity, identify
 from hal.protocol import Status
 from hal.register_map import ServoModel
 
@@ -19,7 +19,7 @@ _PING_SIZE, _STATUS_SIZE = 12, 14  # bytes: of a ping and its shortest answer; o
 _RETURN_DELAY = 520_000  # ns, the longest that a servo can be set to, and a little
 _TURNAROUND = 1_500_000  # ns for a USB adapter that does not hold replies back
 _LATE = 20_000_000  # ns after the last ping, for one that does
-_HELD_BACK = 8  # ids that may have been pinged since the one whose answer comes now
+_HELD_BACK = 10  # ids that may have been pinged since the one whose answer is found to be garbled now
 _QUIET = 5_000_000  # ns without a byte, before anybody is asked
 
 

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from hal import quantity
-from hal.dialogue import Dialogue, NoAnswerError
 from hal.encoding import unpack
+from hal.maintenance import quantity
+from hal.maintenance.dialogue import Dialogue, NoAnswerError
 from hal.protocol import Status
 from hal.register_map import Register, ServoModel
 from robotwalk.errors import ServoError

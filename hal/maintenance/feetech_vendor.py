@@ -4,8 +4,8 @@ from types import MappingProxyType
 
 from scservo_sdk import protocol_packet_handler
 
-from hal.sdk_port import SdkPort
-from hal.vendor_sdk import Keep, Outcome, VendorSdk
+from hal.maintenance.sdk_port import SdkPort
+from hal.maintenance.vendor_sdk import Keep, Outcome, VendorSdk
 
 _RECOVERY = 0x06  # in FTServo_Arduino's INST.h; the SDK has no function for it
 _SIZE = 6  # bytes of a packet without parameters

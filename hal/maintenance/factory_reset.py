@@ -4,9 +4,9 @@ import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from hal.maintenance.servo import Servo
+from hal.maintenance.vendor_sdk import Keep, Outcome, VendorSdk
 from hal.register_map import Memory
-from hal.servo import Servo
-from hal.vendor_sdk import Keep, Outcome, VendorSdk
 from robotwalk.errors import BusError, ServoError, UsageError
 
 _NS = 1_000_000_000
@@ -38,7 +38,7 @@ def factory_reset(servo: Servo, sdk: VendorSdk, keep: Keep) -> Reset:
     Raises:
         UsageError: the servo cannot be told to keep that.
         BusError: it does not answer, before or after.
-        ServoError: it refuses or does nothing, or another servo is where it would go.
+        ServoError: it refuses, or another servo is where it would go.
     """
     if keep not in sdk.outcomes:
         raise UsageError(

@@ -4,10 +4,10 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from hal.dialogue import NoAnswerError
 from hal.encoding import unpack
+from hal.maintenance.dialogue import NoAnswerError
+from hal.maintenance.servo import Servo
 from hal.register_map import Block, ServoModel
-from hal.servo import Servo
 from robotwalk.errors import ServoError
 
 _VOLTAGE, _TEMPERATURE = "present_input_voltage", "present_temperature"

@@ -3,17 +3,17 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from hal import factory_reset, scan
-from hal.backup import Backup, Restored, restore, take
-from hal.dialogue import Dialogue, Heard
 from hal.encoding import pack
-from hal.identity import Identity, identify
+from hal.maintenance import factory_reset, scan
+from hal.maintenance.backup import Backup, Restored, restore, take
+from hal.maintenance.dialogue import Dialogue, Heard
+from hal.maintenance.identity import Identity, identify
+from hal.maintenance.sdk_port import SdkPort
+from hal.maintenance.servo import Servo, found
+from hal.maintenance.vendor_sdk import Keep, VendorSdk
 from hal.protocols import protocol_of
 from hal.register_map import ServoModel
-from hal.sdk_port import SdkPort
-from hal.servo import Servo, found
 from hal.tunable_port import TunablePort
-from hal.vendor_sdk import Keep, VendorSdk
 from robotwalk.errors import BusError, ServoError
 from robotwalk.ports import Clock
 
@@ -22,6 +22,8 @@ _FACTORY_BAUDS = (1_000_000, 57_600)  # of most servos that one meets, or of mos
 _STARTING = 3 * _NS  # for a servo to come back from a reboot
 _SHORT = 20_000_000  # ns of patience with a servo that may be starting
 _RESTARTED_BY = _NS // 2  # a servo that was never silent until then has not restarted
+_ATTEMPTS = 3  # at finding an id
+_LATE = 50_000_000  # ns after which no answer to an earlier ping is to be expected
 _GAP = 2_000_000  # ns behind a broadcast
 _TORQUE = "torque_enable"
 
@@ -73,8 +75,10 @@ class Bench:
             BusError: nobody, or more than one.
         """
         doubtful = Heard()
-        for _ in range(2):  # a servo may lose the frame behind one of another brand
+        for _ in range(_ATTEMPTS):  # a servo may lose the frame behind one of another brand
             for name, dialogue in self._dialogues.items():
+                if not doubtful.silent:
+                    dialogue.listen(_LATE)  # it may have been the answer to another ping, late
                 heard = dialogue.ping(servo_id)
                 if heard.alone(servo_id):
                     identity = identify(dialogue, self._models[name], heard.statuses[0])
@@ -146,11 +150,11 @@ class Bench:
         raise BusError(f"{servo} was told to reboot and does not answer again")
 
     def backup(self, servo: Servo, time: str) -> Backup:
-        """Read a servo's EEPROM through its vendor's SDK. Raises as `hal.backup.take` does."""
+        """Read a servo's EEPROM through its vendor's SDK. Raises as `hal.maintenance.backup.take` does."""
         return take(self._through_sdk(servo), time)
 
     def restore(self, servo: Servo, backup: Backup, *, with_id: bool) -> Restored:
-        """Bring an EEPROM back through the vendor's SDK. Raises as `hal.backup.restore` does."""
+        """Bring an EEPROM back through the vendor's SDK. Raises as `hal.maintenance.backup.restore` does."""
         return restore(self._through_sdk(servo), backup, with_id=with_id)
 
     def factory_reset(self, servo: Servo, keep: Keep) -> factory_reset.Reset:
@@ -161,7 +165,7 @@ class Bench:
         return servo.over(self._sdk(servo))
 
     def _sdk(self, servo: Servo) -> VendorSdk:
-        from hal.vendors import vendor_sdk
+        from hal.maintenance.vendors import vendor_sdk
 
         return vendor_sdk(servo.model, SdkPort(self._port, self.clock))
 

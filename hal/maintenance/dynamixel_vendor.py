@@ -5,8 +5,8 @@ from types import MappingProxyType
 from dynamixel_sdk import Protocol2PacketHandler
 
 from hal.dynamixel_protocol import describe_error
-from hal.sdk_port import SdkPort
-from hal.vendor_sdk import Keep, Outcome, VendorSdk
+from hal.maintenance.sdk_port import SdkPort
+from hal.maintenance.vendor_sdk import Keep, Outcome, VendorSdk
 
 _OPTIONS = {Keep.NOTHING: 0xFF, Keep.ID: 0x01, Keep.ID_AND_BAUD: 0x02}  # e-Manual, Protocol 2.0, factory reset
 _ALERT = 0x80

@@ -15,6 +15,7 @@ _PATIENCE = 40_000_000  # ns beyond the wire time; an FTDI adapter holds a reply
 _WRITE_PATIENCE = 150_000_000  # ns; Feetech's EEPROM is reported to take more than 21 ms
 _SECOND_ANSWER = 5_000_000  # ns after a ping's answer: two servos with one id do not always collide
 _ATTEMPTS = 3  # at reading
+_FILLER = bytes(2048)  # longer than any frame, and no part of one
 
 
 class NoAnswerError(BusError):
@@ -66,7 +67,7 @@ class Dialogue:
         self.port.write(frame)
 
     def listen(self, duration: int, until: Collection[int] = ()) -> Heard:
-        """Hear what comes within so many ns."""
+        """Hear what comes within so many ns. If nothing does, a frame that had begun before counts as broken off."""
         began = self.clock.now()
         deadline = began + duration
         statuses: list[Status] = []
@@ -79,6 +80,9 @@ class Dialogue:
             statuses += new
             if any(status.id in until for status in new):
                 break
+        if not received:
+            # What lies behind a garbled length would wait for ever.
+            statuses += self._receiver.feed(_FILLER)
         garbled = self._receiver.bad_frames > bad or (received > 0 and not statuses)
         return Heard(tuple(statuses), garbled, self.clock.now() - began)
 

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import NamedTuple, Protocol
 
-from hal import quantity
-from hal.dialogue import Dialogue
 from hal.encoding import pack, unpack
-from hal.identity import Identity
+from hal.maintenance import quantity
+from hal.maintenance.dialogue import Dialogue
+from hal.maintenance.identity import Identity
 from hal.register_map import Block, Memory, Register, ServoModel
 from robotwalk.errors import BusError, ServoError
 

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 
-from hal.dynamixel_vendor import DynamixelSdk
-from hal.feetech_vendor import FeetechSdk
+from hal.maintenance.dynamixel_vendor import DynamixelSdk
+from hal.maintenance.feetech_vendor import FeetechSdk
+from hal.maintenance.sdk_port import SdkPort
+from hal.maintenance.vendor_sdk import VendorSdk
 from hal.register_map import ServoModel
-from hal.sdk_port import SdkPort
-from hal.vendor_sdk import VendorSdk
 
 _SDKS: dict[str, Callable[[SdkPort], VendorSdk]] = {"dynamixel-2.0": DynamixelSdk, "feetech-sts": FeetechSdk}
 

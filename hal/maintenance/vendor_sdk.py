@@ -1,4 +1,4 @@
-"""A servo's maintenance through its vendor's SDK; `hal.dynamixel_vendor` and `hal.feetech_vendor` fill it in.
+"""A servo's maintenance through its vendor's SDK; `dynamixel_vendor` and `feetech_vendor` fill it in.
 
 Both SDKs have one shape: a packet handler whose `readTxRx` and `writeTxRx` take a port and return a result, 0 if all
 went well, and the error byte. Only those are used here: they deal in bytes, so that no byte order comes in, which
@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import Any, ClassVar, NamedTuple
 
-from hal.sdk_port import SdkPort
+from hal.maintenance.sdk_port import SdkPort
 from robotwalk.errors import BusError, ServoError
 
 SUCCESS = 0  # the SDKs' COMM_SUCCESS

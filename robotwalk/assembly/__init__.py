@@ -1,0 +1,19 @@
+"""The composition root: the one room that locomotion, servos and simulator all enter."""
+
+from robotwalk.assembly.blueprint import Blueprint as Blueprint
+from robotwalk.assembly.blueprint import BusLoad as BusLoad
+from robotwalk.assembly.blueprint import bus_loads as bus_loads
+from robotwalk.assembly.blueprint import load as load
+from robotwalk.assembly.blueprint import load_servo as load_servo
+from robotwalk.assembly.session import RATE_HZ as RATE_HZ
+from robotwalk.assembly.session import Session as Session
+from robotwalk.assembly.session import connect as connect
+from robotwalk.assembly.simulated import Simulation as Simulation
+from robotwalk.assembly.simulated import bare_physics as bare_physics
+from robotwalk.assembly.simulated import check_film as check_film
+from robotwalk.assembly.simulated import film as film
+from robotwalk.assembly.simulated import serve as serve
+from robotwalk.assembly.simulated import simulate as simulate
+from robotwalk.assembly.simulated import simulated_robot as simulated_robot
+from robotwalk.assembly.simulated import viewer as viewer
+from sim_backend.adapter import AdapterName as AdapterName  # which the command line offers

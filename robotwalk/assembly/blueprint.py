@@ -1,0 +1,126 @@
+"""A robot as its files describe it: what locomotion, the servos and the simulator each need of them."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from hal import bus_plan
+from hal.calibration import Calibration
+from hal.drive import response
+from hal.hardware import HardwareConfig, problems
+from hal.protocols import protocol_of
+from hal.register_map import ServoModel
+from hal.servo_line import Wired
+from robotwalk import checks
+from robotwalk.config import library
+from robotwalk.config.document import Document
+from robotwalk.config.schema import GaitConfig, RobotConfig
+from robotwalk.gait import Gait
+from robotwalk.model import RobotModel
+from robotwalk.types import DriveResponse
+
+
+@dataclass(frozen=True)
+class Blueprint:
+    """A robot as its files describe it, every check passed that needs no motion."""
+
+    document: Document
+    model: RobotModel
+    gaits: Mapping[str, Gait]
+    hardware: HardwareConfig
+    servos: Mapping[str, ServoModel]
+
+    @property
+    def default_gait(self) -> str:
+        """Tripod with six legs or more, trot with four, wave otherwise; else the first that fits."""
+        legs = len(self.model.legs)
+        usual = "tripod" if legs >= 6 else "trot" if legs == 4 else "wave"
+        return usual if usual in self.gaits else next(iter(self.gaits))
+
+    @property
+    def bauds(self) -> dict[str, int]:
+        """The baud rate of each bus."""
+        return {name: bus.baud for name, bus in self.hardware.buses.items()}
+
+    @cached_property
+    def wiring(self) -> dict[str, list[Wired]]:
+        """The servos of each bus, in joint order."""
+        wires: dict[str, list[Wired]] = {name: [] for name in self.hardware.buses}
+        limbs = [leg.name for leg in self.model.legs for _ in leg.joints]
+        for slot, (limb, joint) in enumerate(zip(limbs, self.model.joints, strict=True)):
+            row = self.hardware.joints[joint.name]
+            servo = self.servos[row.servo]
+            calibration = Calibration(
+                row.direction, math.radians(row.zero_deg), servo.encoder.centre, servo.encoder.radians_per_tick)
+            wires[row.bus].append(
+                Wired(joint.name, limb, slot, row.id, servo, calibration, joint.lower, joint.upper))
+        return wires
+
+    @cached_property
+    def drives(self) -> tuple[DriveResponse, ...]:
+        """How each joint follows its goals."""
+        return tuple(response(self.servos[self.hardware.joints[name].servo]) for name in self.model.joint_names)
+
+
+def load(robot: str) -> Blueprint:
+    """Read a robot and all that it refers to.
+
+    Raises:
+        UsageError: no robot is bundled under that name.
+        ConfigError: a file is wrong.
+    """
+    document = library.open_document("robots", robot)
+    config = document.validate(RobotConfig)
+    checks.require_consistent(document, config)
+    model = RobotModel.from_config(config)
+    checks.require_reachable(document, model)
+    hardware = document.validate(HardwareConfig, at=("hardware",))
+    servos = {name: load_servo(name) for name in library.names("servos")}
+    limits = {
+        joint.name: (math.degrees(joint.lower), math.degrees(joint.upper)) for joint in model.joints}
+    for path, what, got in problems(hardware, limits, servos):
+        raise document.error(("hardware", *path), what, got)
+    return Blueprint(document, model, load_gaits(model), hardware, servos)
+
+
+def load_servo(name: str) -> ServoModel:
+    """Read a bundled servo model."""
+    return library.open_document("servos", name).validate(ServoModel)
+
+
+def load_gaits(model: RobotModel) -> dict[str, Gait]:
+    """Read every bundled gait that is for this robot's feet."""
+    gaits = {}
+    for name in library.names("gaits"):
+        document = library.open_document("gaits", name)
+        config = document.validate(GaitConfig)
+        checks.require_sound_gait(document, config)
+        if set(config.swing) == {leg.name for leg in model.legs}:
+            gaits[name] = Gait(config, model)
+    return gaits
+
+
+class BusLoad(NamedTuple):
+    """What a tick costs on one bus."""
+
+    name: str
+    baud: int
+    servos: int
+    wire_s: float
+    share: float  # of the tick
+    largest_rate_hz: int  # that leaves a fifth of the wire free
+
+
+def bus_loads(blueprint: Blueprint, rate_hz: int) -> list[BusLoad]:
+    """Plan each bus's exchange with return delay 0 and, where every servo may have it, fast sync read."""
+    loads = []
+    for name, wired in blueprint.wiring.items():
+        baud = blueprint.hardware.buses[name].baud
+        models = [servo.model for servo in wired]
+        fast = all(model.fast_sync_read_firmware is not None for model in models)
+        plan = bus_plan.cyclic(protocol_of(models[0]), models, fast=fast)
+        seconds = bus_plan.wire_seconds(plan, baud)
+        loads.append(BusLoad(name, baud, len(wired), seconds, seconds * rate_hz, int(0.8 / seconds)))
+    return loads

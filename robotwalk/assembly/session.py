@@ -1,0 +1,135 @@
+"""A robot on a bus: locomotion, the loop and the servos joined; over serial lines, in real time."""
+
+import gc
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from hal.protocols import protocol_of
+from hal.serial_transport import names_hardware, open_port
+from hal.servo_bus import SerialServoBus
+from hal.servo_line import ServoLine
+from robotwalk.assembly.blueprint import Blueprint, load
+from robotwalk.clock import WallClock
+from robotwalk.controller import Controller
+from robotwalk.errors import UsageError
+from robotwalk.estimator import Odometry
+from robotwalk.feedforward import Feedforward
+from robotwalk.limits import Gate, JointLimit
+from robotwalk.loop import Loop
+from robotwalk.ports import BytePort, Clock
+from robotwalk.recorder import Recorder
+from robotwalk.robot import Robot
+from robotwalk.supervisor import Supervisor
+
+RATE_HZ = 100
+_STALE_AFTER = 0.5  # s without an answer from a joint before the robot sits down
+_GOAL_LEAD = 3.0  # a goal may run this much faster than the servo, so that feed-forward is not cut
+_FULL_SPEED_WITHIN = 0.005  # s
+
+
+@dataclass(frozen=True)
+class Session:
+    """A robot ready to be armed."""
+
+    blueprint: Blueprint
+    robot: Robot
+    bus: SerialServoBus
+    clock: Clock
+
+
+def connect(
+    robot: str | Blueprint, ports: Mapping[str, str], *, real: bool = False, rate_hz: int = RATE_HZ,
+    log: Path | None = None, torque: float = 1.0,
+) -> Session:
+    """Open a robot's serial lines, for a walk in real time. Nothing moves yet.
+
+    Args:
+        robot: its name, path or blueprint.
+        ports: URLs by the names of buses, in place of those in the robot's file.
+        real: whether URLs may lead to a physical robot.
+        rate_hz: ticks per second.
+        log: where to record every tick.
+        torque: share of their largest output that the servos may use.
+
+    Raises:
+        UsageError: no such robot or bus, a rate or a log that is impossible, or a physical robot not asked for.
+        ConfigError: a file is wrong.
+        BusError: a port does not open.
+    """
+    blueprint = load(robot) if isinstance(robot, str) else robot
+    check_rate(rate_hz)
+    urls = _urls(blueprint, ports, real)
+    recorder = open_log(log, blueprint, {"rate_hz": str(rate_hz), **urls})
+    opened: dict[str, BytePort] = {}
+    try:
+        for name, url in urls.items():
+            opened[name] = open_port(url, blueprint.hardware.buses[name].baud)
+    except BaseException:
+        for port in opened.values():
+            port.close()
+        raise
+    gc.freeze()  # what is loaded by now stays; no collection need look at it again
+    clock = WallClock()
+    bus = bus_of(blueprint, clock, opened)
+    return Session(blueprint, robot_of(blueprint, clock, bus, rate_hz, recorder, torque), bus, clock)
+
+
+def _urls(blueprint: Blueprint, ports: Mapping[str, str], real: bool) -> dict[str, str]:
+    """Return the URL of every bus; a physical robot only if it was asked for."""
+    buses = blueprint.hardware.buses
+    for name in ports:
+        if name not in buses:
+            raise UsageError(f"{blueprint.model.name} has no bus {name!r}; it has {', '.join(buses)}")
+    urls = {name: ports.get(name, bus.port) for name, bus in buses.items()}
+    for name, url in urls.items():
+        if not real and names_hardware(url):
+            raise UsageError(f"{url} (bus {name}) may be a physical robot: say --real to open it")
+    return urls
+
+
+def check_rate(rate_hz: int) -> None:
+    """Raise UsageError if a rate is out of the question."""
+    if not 10 <= rate_hz <= 1000:
+        raise UsageError(f"the rate should be 10 to 1000 Hz, not {rate_hz}")
+
+
+def open_log(log: Path | None, blueprint: Blueprint, about: dict[str, str]) -> Recorder | None:
+    """Return what records a run to the file `log`, if one is wanted; `about` goes into its head."""
+    if log is None:
+        return None
+    return Recorder(log, blueprint.model.joint_names, {"robot": blueprint.model.name, **about})
+
+
+def bus_of(blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort]) -> SerialServoBus:
+    """Put a robot's servos on its opened lines."""
+    lines = [
+        ServoLine(name, ports[name], blueprint.hardware.buses[name].baud, protocol_of(wired[0].model), wired)
+        for name, wired in blueprint.wiring.items()
+    ]
+    return SerialServoBus(blueprint.model.joint_names, lines, clock)
+
+
+def robot_of(
+    blueprint: Blueprint, clock: Clock, bus: SerialServoBus, rate_hz: int, recorder: Recorder | None,
+    torque: float = 1.0,
+) -> Robot:
+    """Join the stages into a loop around a bus; `torque` is the share that the servos may use."""
+    model = blueprint.model
+    limits = [
+        JointLimit(
+            joint.lower, joint.upper, _GOAL_LEAD * drive.max_speed, _GOAL_LEAD * drive.max_speed / _FULL_SPEED_WITHIN)
+        for joint, drive in zip(model.joints, blueprint.drives, strict=True)
+    ]
+    loop = Loop(
+        rate_hz=rate_hz,
+        clock=clock,
+        bus=bus,
+        controller=Controller(model, blueprint.gaits, blueprint.default_gait),
+        odometry=Odometry(model),
+        feedforward=Feedforward(blueprint.drives),
+        gate=Gate(model.joint_names, limits),
+        supervisor=Supervisor(_STALE_AFTER),
+        record=recorder.put if recorder else None,
+    )
+    return Robot(model, tuple(blueprint.gaits), loop, bus, recorder=recorder, torque=torque)

@@ -1,0 +1,118 @@
+"""A robot in a simulated world, in lock-step or as a device; and what shows it. MuJoCo is loaded only for that."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from robotwalk.assembly.blueprint import Blueprint, load
+from robotwalk.assembly.session import RATE_HZ, Session, bus_of, check_rate, open_log, robot_of
+from robotwalk.kinematics import resting_angles
+from sim_backend.adapter import AdapterName
+
+if TYPE_CHECKING:
+    from sim_backend.film import Film
+    from sim_backend.simulation import SimulatedRobot
+    from sim_backend.viewer import Viewer
+
+
+@dataclass(frozen=True)
+class Simulation(Session):
+    """A robot and the world in which it walks."""
+
+    world: "SimulatedRobot"
+
+
+def simulate(robot: str | Blueprint, *, rate_hz: int = RATE_HZ, seed: int = 0, log: Path | None = None) -> Simulation:
+    """Put a robot into a simulated world, in lock-step: seated, torque off.
+
+    Raises:
+        UsageError: no such robot, an impossible rate, or a log that cannot be written.
+        ConfigError: a file is wrong.
+    """
+    blueprint = load(robot) if isinstance(robot, str) else robot
+    check_rate(rate_hz)
+    world = simulated_robot(blueprint, rate_hz, seed)
+    recorder = open_log(log, blueprint, {"rate_hz": str(rate_hz), "seed": str(seed)})
+    bus = bus_of(blueprint, world.clock, world.ports)
+    return Simulation(blueprint, robot_of(blueprint, world.clock, bus, rate_hz, recorder), bus, world.clock, world)
+
+
+def simulated_robot(
+    blueprint: Blueprint, rate_hz: int, seed: int, adapter: AdapterName = "none"
+) -> "SimulatedRobot":
+    """Build a simulated robot, seated, torque off, with nothing that controls it."""
+    from sim_backend.simulation import SimulatedRobot, SimulatedServo
+    from sim_backend.world import Mounting
+
+    servos = []
+    for joint in blueprint.model.joint_names:
+        row = blueprint.hardware.joints[joint]
+        mounting = Mounting(row.direction, math.radians(row.zero_deg))
+        servos.append(SimulatedServo(row.bus, row.id, blueprint.servos[row.servo], mounting))
+    seated = resting_angles(blueprint.model, 0.5 * blueprint.model.body_box.z)
+    return SimulatedRobot(
+        blueprint.model, servos, blueprint.bauds, seated, rate_hz=rate_hz, seed=seed, adapter=adapter)
+
+
+def serve(
+    robot: str, *, pty: Path | None, tcp: str | None, adapter: AdapterName, seed: int, truth: Path | None,
+    seconds: float | None, ready: Callable[[dict[str, str]], None], check: Callable[[], None],
+    warn: Callable[[str], None],
+) -> None:
+    """Serve a simulated robot in real time, as terminals in the folder `pty` or else at the address `tcp`.
+
+    `ready` is told the URL of each bus. It ends after some `seconds`, or when `check` raises; `warn` is told if
+    this computer is too slow.
+
+    Raises:
+        UsageError: no such robot, or a place or a file that cannot be used.
+        ConfigError: a file is wrong.
+        BusError: another server is there.
+    """
+    from sim_backend.pty_endpoint import open_ptys
+    from sim_backend.server import serve
+    from sim_backend.socket_endpoint import open_sockets, parse_address
+
+    blueprint = load(robot)
+    bauds = blueprint.bauds
+    doors = open_ptys(pty, bauds) if pty is not None else open_sockets(parse_address(tcp or ""), bauds)
+    world = simulated_robot(blueprint, RATE_HZ, seed, adapter)
+    serve(world, blueprint.model, doors, truth=truth, seconds=seconds, ready=ready, check=check, warn=warn)
+
+
+def bare_physics(world: "SimulatedRobot", seconds: float) -> float:
+    """Return how many times faster than real time MuJoCo alone steps a simulated robot's model."""
+    from sim_backend.world import bare_speed
+
+    return bare_speed(world.world, seconds)
+
+
+def film(world: "SimulatedRobot") -> "Film":
+    """Return a film of a simulated robot, still empty."""
+    from sim_backend.film import Film
+
+    return Film(world.world.model)
+
+
+def check_film(path: Path) -> None:
+    """Check that a film can be saved there.
+
+    Raises:
+        UsageError: it cannot.
+    """
+    from sim_backend.film import check_writable
+
+    check_writable(path)
+
+
+def viewer(world: "SimulatedRobot") -> "Viewer":
+    """Return a window in the browser onto a simulated robot.
+
+    Raises:
+        UsageError: the extra `robotwalk[view]` is not installed.
+    """
+    from sim_backend.viewer import Viewer
+
+    return Viewer(world.world.model, world.world.data)

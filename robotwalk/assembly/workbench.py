@@ -1,0 +1,71 @@
+"""One serial line and its servos, for the tools of `robotwalk servo`: no robot's file is needed."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from hal.maintenance import backup as backup_file
+from hal.maintenance import quantity as quantity  # named twice: what `robotwalk servo` works with
+from hal.maintenance.backup import Backup as Backup
+from hal.maintenance.bench import Bench as Bench
+from hal.maintenance.identity import Identity as Identity
+from hal.maintenance.monitor import Sample as Sample
+from hal.maintenance.monitor import sample as sample
+from hal.maintenance.scan import Clash as Clash
+from hal.maintenance.scan import Finding as Finding
+from hal.maintenance.scan import Noise as Noise
+from hal.maintenance.scan import Progress as Progress
+from hal.maintenance.servo import Change as Change
+from hal.maintenance.servo import Servo as Servo
+from hal.maintenance.vendor_sdk import Keep as Keep
+from hal.register_map import Register as Register
+from hal.serial_transport import names_hardware, open_port
+from robotwalk.assembly.blueprint import load_servo
+from robotwalk.clock import WallClock
+from robotwalk.config import library
+from robotwalk.config.document import Document
+from robotwalk.errors import UsageError
+
+
+@contextmanager
+def bench(url: str, *, baud: int, protocol: str | None, real: bool, writes: bool) -> Iterator[Bench]:
+    """Open one line for the maintenance of single servos; `protocol` is the only one to be tried, if given.
+
+    Raises:
+        UsageError: no servo has this baud rate or protocol, or a physical one would be changed and was not asked for.
+        BusError: the port does not open.
+    """
+    if writes and not real and names_hardware(url):
+        raise UsageError(f"{url} may be a physical robot, and this changes or moves a servo: say --real to do it")
+    models = [model for model in map(load_servo, library.names("servos")) if protocol in (None, model.protocol)]
+    bauds = sorted({rate for model in models for rate in model.baud_rates})
+    if baud not in bauds:
+        whose = f"of {protocol}" if protocol else "that we know"
+        raise UsageError(f"no servo {whose} has {baud} baud; there are {', '.join(map(str, bauds))}")
+    port = open_port(url, baud)
+    try:
+        yield Bench(port, WallClock(), models)
+    finally:
+        port.close()
+
+
+def read_backup(path: Path) -> Backup:
+    """Read the backup of a servo.
+
+    Raises:
+        ConfigError: the file is wrong.
+    """
+    document = Document.read(path)
+    backup = document.validate(Backup)
+    if backup.model not in library.names("servos"):
+        raise document.error(("model",), f"no such servo; there are {', '.join(library.names('servos'))}", backup.model)
+    for name, what, got in backup_file.problems(backup, load_servo(backup.model)):
+        raise document.error(("registers", name), what, got)
+    return backup
+
+
+def backup_text(backup: Backup, path: Path) -> str:
+    """Return what to write to a file of that name: JSON if it is called so, else YAML."""
+    if path.suffix == ".json":
+        return backup_file.to_json(backup)
+    return backup_file.to_yaml(backup, load_servo(backup.model))

@@ -1,0 +1,143 @@
+"""The quadruped walks in MuJoCo through Feetech bytes, judged by what its body really does."""
+
+import math
+import random
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from hal.register_map import ServoModel
+from robotwalk import assembly
+from robotwalk.cli.outing import Outing, Plan
+
+STILL_PLAN = Plan(speed=0.0, direction=0.0, heading=None, turn=0.0, height=None, duration=10.0, gait=None)
+TURN = math.radians(20)
+
+
+def walk(robot: str | assembly.Blueprint = "quadruped", *, rate_hz: int = 100, seed: int = 0, **plan: Any) -> Any:
+    """Walk by a plan (SI, radians) and return the report."""
+    outing = Outing(assembly.simulate(robot, rate_hz=rate_hz, seed=seed), STILL_PLAN._replace(**plan))
+    outing.run(lambda text, share: None)
+    return outing.report()
+
+
+def varied(seed: int) -> assembly.Blueprint:
+    """Return the robot with other servos than its files say, and than its controller goes by.
+
+    Friction, armature and gain are off by up to 15 %: all servos alike for odd seeds, each for itself for even ones.
+    """
+    nominal = assembly.load("quadruped")
+    rng = random.Random(seed)
+    common = [rng.uniform(0.85, 1.15) for _ in range(3)]
+    servos, rows = {}, {}
+    for joint, row in nominal.hardware.joints.items():
+        factors = common if seed % 2 else [rng.uniform(0.85, 1.15) for _ in range(3)]
+        servos[joint] = changed(nominal.servos[row.servo], *factors)
+        rows[joint] = row.model_copy(update={"servo": joint})
+    hardware = nominal.hardware.model_copy(update={"joints": rows})
+    real = replace(nominal, hardware=hardware, servos=servos)
+    vars(real)["drives"] = nominal.drives
+    return real
+
+
+def changed(servo: ServoModel, friction: float, armature: float, gain: float) -> ServoModel:
+    motor, loop = servo.motor, servo.position_loop
+    return servo.model_copy(update={
+        "motor": motor.model_copy(update={
+            "coulomb_nm": friction * motor.coulomb_nm, "viscous_nms": friction * motor.viscous_nms,
+            "armature_kgm2": armature * motor.armature_kgm2}),
+        "position_loop": loop.model_copy(update={"divisor": loop.divisor / gain})})
+
+
+def assert_sound(report: dict[str, Any]) -> None:
+    """Nothing may go wrong on flat ground."""
+    assert not report["fell"]
+    assert report["max_tilt_deg"] < 10.0
+    assert report["bus"]["legs"]["lost_replies"] == 0
+    assert report["bus"]["legs"]["bad_frames"] == 0
+
+
+def assert_straight(report: dict[str, Any], metres: float, tolerance: float) -> None:
+    assert_sound(report)
+    assert report["distance_m"] == pytest.approx(metres, rel=tolerance)
+    assert abs(report["heading_change_deg"]) < 8.0
+
+
+def test_it_trots_if_nothing_is_said() -> None:
+    report = walk(speed=0.15)
+    assert report["gait"] == "trot"
+    assert_straight(report, 1.5, 0.10)
+    assert report["max_tilt_deg"] < 6.0
+    assert abs(report["lateral_drift_m"]) < 0.10
+    assert "limits" not in [event["kind"] for event in report["events"]]
+    states = [event["text"] for event in report["events"] if event["kind"] == "state"]
+    assert states == ["ready", "stand", "walk", "stand", "sit", "stop"]
+
+
+def test_it_crawls() -> None:
+    report = walk(speed=0.04, gait="crawl")
+    assert_straight(report, 0.4, 0.08)
+    assert report["max_tilt_deg"] < 4.0
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_it_turns_on_the_spot_in_trot(sign: int) -> None:
+    report = walk(turn=sign * TURN, duration=9.0)
+    assert_sound(report)
+    assert report["heading_change_deg"] == pytest.approx(sign * 180.0, rel=0.10)
+    assert math.hypot(report["displacement"]["x"], report["displacement"]["y"]) < 0.06
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_so_it_does_with_other_servos_than_its_files_say(seed: int) -> None:
+    robot = varied(seed)
+    assert_straight(walk(robot, seed=seed, speed=0.15), 1.5, 0.15)
+    assert_straight(walk(robot, seed=seed, speed=0.04, gait="crawl"), 0.4, 0.12)
+    turned = walk(robot, seed=seed, turn=TURN, duration=6.0)
+    assert_sound(turned)
+    assert turned["heading_change_deg"] == pytest.approx(120.0, rel=0.15)
+
+
+@pytest.mark.parametrize(("gait", "speed"), [("trot", 0.10), ("crawl", 0.03)])
+@pytest.mark.parametrize("degrees", [180, 90, -90])
+def test_backwards_and_sideways_it_stays_up_and_roughly_on_course(gait: str, speed: float, degrees: float) -> None:
+    report = walk(speed=speed, gait=gait, direction=math.radians(degrees))
+    assert_sound(report)
+    assert report["distance_m"] == pytest.approx(10.0 * speed, rel=0.20)
+
+
+@pytest.mark.parametrize("height", [0.135, 0.18])
+@pytest.mark.parametrize(("gait", "speed"), [("trot", 0.15), ("crawl", 0.04)])
+def test_it_walks_low_and_high(gait: str, speed: float, height: float) -> None:
+    report = walk(speed=speed, gait=gait, height=height, duration=6.0)
+    assert_sound(report)
+    assert report["distance_m"] == pytest.approx(6.0 * speed, rel=0.15)
+
+
+@pytest.mark.parametrize("rate_hz", [50, 200])
+def test_it_walks_at_other_rates(rate_hz: int) -> None:
+    assert_straight(walk(speed=0.15, duration=5.0, rate_hz=rate_hz), 0.75, 0.15)
+
+
+def test_it_goes_over_from_trot_to_crawl_and_back() -> None:
+    simulation = assembly.simulate("quadruped")
+    tilts = []
+    with simulation.robot as robot:
+        robot.stand()
+        robot.observers.append(lambda tick: tilts.append(max(
+            abs(simulation.world.truth().base.roll), abs(simulation.world.truth().base.pitch))))
+        for gait, speed in (("trot", 0.12), ("crawl", 0.04), ("trot", 0.12), ("crawl", -0.03)):
+            robot.walk(vx=speed, seconds=3.0, gait=gait)
+    assert max(tilts) < math.radians(10.0)
+
+
+def test_it_starts_seated_torque_off_well_inside_its_limits() -> None:
+    simulation = assembly.simulate("quadruped")
+    clock = simulation.world.clock
+    clock.wait((), clock.now() + 500_000_000)
+    truth = simulation.world.truth()
+    for joint, angle in zip(simulation.robot.model.joints, truth.joints, strict=True):
+        assert joint.lower + 0.3 <= angle <= joint.upper - 0.3, joint.name
+    assert all(servo.table["torque_enable"] == 0 for servo in simulation.world.servos)
+    assert truth.base.z == pytest.approx(0.045, abs=0.003)  # on its belly
