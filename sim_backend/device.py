@@ -5,7 +5,7 @@ Not modelled: collisions. Of servos that share an id all obey, and the first one
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import NamedTuple, Protocol, TypeVar
+from typing import ClassVar, NamedTuple, Protocol, TypeVar
 
 from sim_backend.fake_servo import FakeServo
 
@@ -44,6 +44,9 @@ class Packet(NamedTuple):
 class InstructionParser(ABC):
     """Finds frames in what arrives on the wire, piece by piece."""
 
+    header: ClassVar[bytes]
+    prologue: ClassVar[int]  # bytes until a frame's length is known
+
     def __init__(self) -> None:
         self._buffer = bytearray()
         self._last_byte_at = 0
@@ -56,6 +59,25 @@ class InstructionParser(ABC):
         self._buffer += data
         while (packet := self._next()) is not None:
             yield packet
+
+    def _align(self) -> bool:
+        """Skip noise and false headers. Return whether a frame begins the buffer, its length known."""
+        buffer = self._buffer
+        while True:
+            start = buffer.find(self.header)
+            if start < 0:
+                del buffer[:max(0, len(buffer) - len(self.header) + 1)]
+                return False
+            del buffer[:start]
+            if len(buffer) < self.prologue:
+                return False
+            if self._plausible():
+                return True
+            del buffer[0]
+
+    @abstractmethod
+    def _plausible(self) -> bool:
+        """Tell whether the buffer begins with a header, id and length that a frame may have."""
 
     @abstractmethod
     def _next(self) -> Packet | None:

@@ -60,6 +60,9 @@ _ANSWERED_FROM: dict[int, int] = {  # the others from ALL
 class DynamixelParser(InstructionParser):
     """Finds frames of Protocol 2.0."""
 
+    header = _HEADER
+    prologue = _PROLOGUE
+
     def _next(self) -> Packet | None:
         buffer = self._buffer
         while self._align():
@@ -77,20 +80,9 @@ class DynamixelParser(InstructionParser):
             return Packet(frame[4], body[0], body[1:], intact)
         return None
 
-    def _align(self) -> bool:
-        """Skip noise and false headers. Return whether a frame begins the buffer, its length known."""
+    def _plausible(self) -> bool:
         buffer = self._buffer
-        while True:
-            start = buffer.find(_HEADER)
-            if start < 0:
-                del buffer[:max(0, len(buffer) - len(_HEADER) + 1)]
-                return False
-            del buffer[:start]
-            if len(buffer) < _PROLOGUE:
-                return False
-            if buffer[4] not in _INVALID_IDS and buffer[5] | buffer[6] << 8 in _LENGTHS:
-                return True
-            del buffer[:len(_HEADER)]
+        return buffer[4] not in _INVALID_IDS and buffer[5] | buffer[6] << 8 in _LENGTHS
 
 
 class DynamixelDevice:

@@ -45,6 +45,9 @@ class Instruction(IntEnum):
 class FeetechParser(InstructionParser):
     """Finds frames of this protocol."""
 
+    header = _HEADER
+    prologue = _PROLOGUE
+
     def _next(self) -> Packet | None:
         buffer = self._buffer
         while self._align():
@@ -58,20 +61,8 @@ class FeetechParser(InstructionParser):
             del buffer[0]  # its header may have been noise
         return None
 
-    def _align(self) -> bool:
-        """Skip noise and false headers. Return whether a frame begins the buffer, its length known."""
-        buffer = self._buffer
-        while True:
-            start = buffer.find(_HEADER)
-            if start < 0:
-                del buffer[:max(0, len(buffer) - len(_HEADER) + 1)]
-                return False
-            del buffer[:start]
-            if len(buffer) < _PROLOGUE:
-                return False
-            if buffer[2] != _INVALID_ID and buffer[3] >= _SHORTEST:
-                return True
-            del buffer[0]
+    def _plausible(self) -> bool:
+        return self._buffer[2] != _INVALID_ID and self._buffer[3] >= _SHORTEST
 
 
 class FeetechDevice:

@@ -4,18 +4,18 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-import mujoco
 import numpy as np
 import pytest
 import yaml
 
-from hal.register_map import ServoModel
+from hal.register_map import Register, ServoModel
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.servo_physics import ServoPhysics
 
+from .rig import MS, Hinge, Registers
+
 CONFIG = Path(__file__).parents[2] / "configs" / "servos" / "xl430-w250.yaml"
 ROWS = yaml.safe_load(CONFIG.read_text())
-MS = 1_000_000
 TICK = 2.0 * math.pi / 4096  # rad
 RPM = 60.0 / (2.0 * math.pi)
 
@@ -31,7 +31,7 @@ def servo_model(**sections: Mapping[str, object]) -> ServoModel:
 MODEL = servo_model()
 
 
-class Bench:
+class Bench(Registers):
     """One servo, without a body: the test moves the shaft."""
 
     def __init__(self, model: ServoModel = MODEL, **factory_settings: int) -> None:
@@ -39,16 +39,8 @@ class Bench:
         self.servo = DynamixelServo(self.physics, 0, **factory_settings)
         self.now = 0
 
-    def write(self, **registers: int) -> None:
-        for name, value in registers.items():
-            register = self.servo.model[name]
-            data = value.to_bytes(register.size, "little", signed=register.signed)
-            self.servo.write(register.address, data)
-
-    def read(self, name: str) -> int:
-        register = self.servo.model[name]
-        data = self.servo.read(register.address, register.size, self.now)
-        return int.from_bytes(data, "little", signed=register.signed)
+    def read_bytes(self, register: Register) -> bytes:
+        return self.servo.read(register.address, register.size, self.now)
 
     def step(self, angle: float = 0.0, speed: float = 0.0) -> float:
         """Let one millisecond pass; return the torque."""
@@ -65,34 +57,24 @@ class Bench:
 
 
 class Rig(Bench):
-    """One servo on a hinge in MuJoCo, with little on it but its own armature and friction."""
+    """One servo whose shaft MuJoCo moves."""
 
     def __init__(self, model: ServoModel = MODEL, spring: float = 0.0, **factory_settings: int) -> None:
         super().__init__(model, **factory_settings)
-        spec = mujoco.MjSpec()
-        spec.option.timestep = 0.001
-        spec.option.gravity = [0.0, 0.0, 0.0]
-        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        body = spec.worldbody.add_body()
-        body.add_joint(
-            type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1], armature=self.physics.armature[0],
-            frictionloss=self.physics.coulomb[0], damping=self.physics.viscous[0], stiffness=spring)
-        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.01, 0, 0], mass=0.001)
-        self._mujoco = spec.compile()
-        self.data = mujoco.MjData(self._mujoco)
+        self.hinge = Hinge(self.physics, spring)
 
     @property
     def angle(self) -> float:
-        return float(self.data.qpos[0])
+        return self.hinge.angle
 
     @property
     def speed(self) -> float:
-        return float(self.data.qvel[0])
+        return self.hinge.speed
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds * 1000)):
-            self.data.qfrc_applied[0] = self.step(self.angle, self.speed)
-            mujoco.mj_step(self._mujoco, self.data)
+            self.now += MS
+            self.hinge.step(self.now)
 
 
 def test_stall_torque_is_the_data_sheets() -> None:

@@ -10,8 +10,9 @@ from robotwalk.assembly import load_servo
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.sts_firmware import StsServo
 
+from .rig import MS, Registers
+
 MODEL = load_servo("sts3215")
-MS = 1_000_000
 TICK = 2.0 * math.pi / 4096  # rad
 
 
@@ -20,7 +21,7 @@ def sts3215(**firmware: object) -> ServoModel:
     return MODEL.model_copy(update={"firmware": MODEL.firmware.model_copy(update=firmware)})
 
 
-class Bench:
+class Bench(Registers):
     """One servo whose shaft is where the test holds it."""
 
     def __init__(self, model: ServoModel = MODEL, at: int = 2048, **factory_settings: int) -> None:
@@ -38,21 +39,6 @@ class Bench:
             self.now += MS if ms else 0
             torque = self.physics.step(np.array([self.shaft * TICK]), np.array([speed]), self.now)
         return float(torque[0])
-
-    def write(self, **registers: int) -> None:
-        for name, value in registers.items():
-            register = MODEL[name]
-            if value < 0:
-                assert register.sign_bit is not None
-                value = -value | 1 << register.sign_bit
-            self.servo.write(register.address, value.to_bytes(register.size, "little"))
-
-    def read(self, name: str) -> int:
-        register = MODEL[name]
-        value = int.from_bytes(self.servo.read(register.address, register.size), "little")
-        if register.sign_bit is not None and value >> register.sign_bit:
-            return (1 << register.sign_bit) - value
-        return value
 
     def power_cycle(self) -> None:
         self.servo.reboot(self.now)

@@ -3,7 +3,6 @@
 import itertools
 import math
 
-import mujoco
 import numpy as np
 import pytest
 
@@ -12,60 +11,35 @@ from robotwalk.assembly import load_servo
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.sts_firmware import StsServo
 
+from .rig import MS, Hinge, Registers
+
 MODEL = load_servo("sts3215")
-MS = 1_000_000
 TICK = 2.0 * math.pi / 4096  # rad
 RPM = 60.0 / (2.0 * math.pi)
 LOOSE = {"unloading_condition": 0}  # no protection steps in
 
 
-class Rig:
-    """One servo on a hinge in MuJoCo, with little on it but its own armature and friction."""
+class Rig(Registers):
+    """One servo whose shaft MuJoCo moves."""
 
     def __init__(self, model: ServoModel = MODEL, spring: float = 0.0, **factory_settings: int) -> None:
         self.physics = ServoPhysics([model])
         self.servo = StsServo(self.physics, 0, **factory_settings)
+        self.hinge = Hinge(self.physics, spring)
         self.now = 0
-        spec = mujoco.MjSpec()
-        spec.option.timestep = 0.001
-        spec.option.gravity = [0.0, 0.0, 0.0]
-        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        body = spec.worldbody.add_body()
-        body.add_joint(
-            type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1], armature=self.physics.armature[0],
-            frictionloss=self.physics.coulomb[0], damping=self.physics.viscous[0], stiffness=spring)
-        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.01, 0, 0], mass=0.001)
-        self._mujoco = spec.compile()
-        self.data = mujoco.MjData(self._mujoco)
 
     @property
     def angle(self) -> float:
-        return float(self.data.qpos[0])
+        return self.hinge.angle
 
     @property
     def speed(self) -> float:
-        return float(self.data.qvel[0])
+        return self.hinge.speed
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds * 1000)):
             self.now += MS
-            self.data.qfrc_applied[0] = self.physics.step(self.data.qpos.copy(), self.data.qvel.copy(), self.now)[0]
-            mujoco.mj_step(self._mujoco, self.data)
-
-    def write(self, **registers: int) -> None:
-        for name, value in registers.items():
-            register = MODEL[name]
-            if value < 0:
-                assert register.sign_bit is not None
-                value = -value | 1 << register.sign_bit
-            self.servo.write(register.address, value.to_bytes(register.size, "little"))
-
-    def read(self, name: str) -> int:
-        register = MODEL[name]
-        value = int.from_bytes(self.servo.read(register.address, register.size), "little")
-        if register.sign_bit is not None and value >> register.sign_bit:
-            return (1 << register.sign_bit) - value
-        return value
+            self.hinge.step(self.now)
 
     def inner_goal(self, ms: int, shaft: float = 0.0) -> list[float]:
         """Return where the firmware heads in each millisecond, the shaft held (ticks), as a position count."""
