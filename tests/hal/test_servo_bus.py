@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from fastcrc import crc16
 
 from hal import dynamixel_protocol
 from hal.calibration import Calibration
@@ -35,11 +36,12 @@ class Device:
     def __init__(self, device: DynamixelDevice) -> None:
         self.device = device
         self.tamper: Tamper = lambda replies: replies
+        self.lose: Callable[[bytes], bytes] = lambda data: data
         self.heard: list[bytes] = []
 
     def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
         self.heard.append(data)
-        return self.tamper(self.device.receive(data, now, baud))
+        return self.tamper(self.device.receive(self.lose(data), now, baud))
 
 
 class Rig(NamedTuple):
@@ -113,6 +115,16 @@ def test_torque_comes_gently_limb_by_limb_after_the_goals() -> None:
     caps = [int.from_bytes(frame[6:8], "little") for frame in writes(built)[2 + COUNT :]]
     assert caps == [354, 531, 708, 885]
     assert [servo.table["goal_pwm"] for servo in built.servos] == [885] * COUNT
+
+
+def test_no_torque_where_the_goals_were_lost_on_the_wire() -> None:
+    built = rig()
+    built.hold([100 * TICK] * COUNT)
+    goals = 14 + 5 * COUNT  # bytes of the sync write, which nobody acknowledges
+    built.device.lose = lambda data: data[goals:] if data[7:10] == b"\x83\x74\x00" else data
+    with pytest.raises(BusError, match=r"j0 \(id 1\) on bus legs did not take its position as goal: it holds 2048"):
+        built.bus.arm(PERIOD)
+    assert [servo.table["torque_enable"] for servo in built.servos] == [0] * COUNT
 
 
 def test_a_share_of_torque_stays_a_share() -> None:
@@ -254,6 +266,26 @@ def test_a_bad_reply_costs_its_own_joints_one_sample(firmware: int, tamper: Tamp
     assert after.valid == (True,) * COUNT
     assert after.position[3] == pytest.approx(80 * TICK)
     assert built.bus.statistics()["legs"].max_age == max(state.age)
+
+
+def test_a_servo_that_refuses_the_read_has_no_sample() -> None:
+    """It answers with an error number and zeros; a zero is a position like any other."""
+
+    def refuse(replies: list[Reply]) -> list[Reply]:
+        data = bytearray(replies[0].data)
+        for block in range(COUNT):
+            start = 8 + 14 * block
+            if block == 2:
+                data[start] = 7
+                data[start + 2 : start + 12] = bytes(10)
+            data[start + 12 : start + 14] = crc16.umts(bytes(data[: start + 12])).to_bytes(2, "little")
+        return [Reply(replies[0].delay_ns, bytes(data))]
+
+    built = armed()
+    built.device.tamper = refuse
+    state = built.bus.exchange([0.0] * COUNT, PERIOD)
+    assert state.valid == (True, True, False, True, True)
+    assert state.position[2] == pytest.approx(0.5), "where it was before"
 
 
 @pytest.mark.parametrize("firmware", [FAST, PLAIN])

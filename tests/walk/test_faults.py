@@ -116,6 +116,49 @@ def test_another_model_at_an_id_is_named() -> None:
         robot.stand()
 
 
+def test_a_second_interrupt_freezes_the_robot_where_it_is_with_torque_on() -> None:
+    simulation = assembly.simulate("hexapod")
+
+    def impatient(tick: Tick) -> None:
+        if tick.state is State.SIT:
+            raise KeyboardInterrupt
+
+    robot = simulation.robot
+
+    def session() -> None:
+        with robot:
+            robot.stand()
+            robot.observers.append(impatient)
+            robot.walk(vx=0.10, seconds=1.0)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        session()
+    simulation.world.clock.wait((), simulation.world.clock.now() + 2_000_000_000)
+    assert all(servo.table["torque_enable"] == 1 for servo in simulation.world.servos)
+    assert simulation.world.truth().base.z == pytest.approx(0.102, abs=0.006)
+    assert "freeze" in [event.kind for event in robot.events]
+
+
+def test_an_observer_that_fails_does_not_keep_the_robot_from_sitting() -> None:
+    simulation = assembly.simulate("hexapod")
+
+    def broken(tick: Tick) -> None:
+        if tick.state is State.WALK:
+            raise OSError("the terminal is gone")
+
+    def session() -> None:
+        with simulation.robot as robot:
+            robot.stand()
+            robot.observers.append(broken)
+            robot.walk(vx=0.10, seconds=1.0)
+
+    with pytest.raises(OSError, match="terminal"):
+        session()
+    assert simulation.world.truth().base.z < 0.04
+    assert all(servo.table["torque_enable"] == 0 for servo in simulation.world.servos)
+
+
 def test_the_robot_starts_seated_torque_off_well_inside_its_limits() -> None:
     simulation = assembly.simulate("hexapod")
     clock = simulation.world.clock
