@@ -144,7 +144,7 @@ def test_an_observer_that_fails_does_not_keep_the_robot_from_sitting() -> None:
     simulation = assembly.simulate("hexapod")
 
     def broken(tick: Tick) -> None:
-        if tick.state is State.WALK:
+        if tick.state in (State.WALK, State.SIT):
             raise OSError("the terminal is gone")
 
     def session() -> None:
