@@ -110,6 +110,7 @@ class Cyclic(Row):
     velocity: str
     position: str
     torque_cap: str  # the register that bounds the output, for a gentle start
+    settings: dict[str, int]  # registers, and the counts that they must hold for all this to work
 
 
 class OperatingPoint(Row):
@@ -250,7 +251,7 @@ class ServoModel(Row):
         cyclic = self.cyclic
         needed = (
             cyclic.goal, cyclic.effort, cyclic.velocity, cyclic.position, cyclic.torque_cap,
-            self.position_loop.proportional)
+            self.position_loop.proportional, *cyclic.settings)
         for name in needed:
             if name not in self.by_name:
                 yield f"no register is named {name!r}"

@@ -31,7 +31,7 @@ def open_port(url: str, baud: int) -> TunablePort:
         BusError: it cannot be opened; says why, and what may help.
     """
     try:
-        line = serial.serial_for_url(url, baudrate=baud, timeout=0, exclusive=True)
+        line = serial.serial_for_url(url, baudrate=baud, timeout=0, write_timeout=0, exclusive=True)
     except (serial.SerialException, ValueError, OSError) as error:
         raise BusError(f"cannot open {url}: {_reason(url, error)}") from error
     if hasattr(line, "set_low_latency_mode"):
@@ -75,9 +75,11 @@ class SerialPort:
             BusError: the line is gone.
         """
         try:
-            self._line.write(data)
+            written = self._line.write(data)
         except (serial.SerialException, OSError) as error:
             raise BusError(f"{self._url} is gone: {error}") from error
+        if written is not None and written < len(data):
+            raise BusError(f"{self._url} takes no more bytes: is its adapter stuck?")
 
     def waiting(self) -> int:
         """Return how many bytes can be read (over a socket: 1 for any)."""

@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 
 from hal.servo_line import ServoLine, Wired
 from robotwalk.errors import BusError
@@ -17,8 +17,9 @@ _MARGIN = 2_000_000  # ns past the time that an exchange takes, for servos and a
 _PATIENCE = 40_000_000  # the same while arming
 _TRIES = 3
 _GENTLE = 0.2  # of the torque, with which a limb comes to power
-_RAMP = (0.4, 0.6, 0.8, 1.0)
+_RAMP = (0.4, 0.6, 0.8)
 _SETTLING = 50_000_000  # ns between steps of the start
+_QUIET = 10_000_000  # ns after which no reply is under way any more
 
 
 class SerialServoBus:
@@ -59,33 +60,53 @@ class SerialServoBus:
 
         Raises:
             BusError: a servo is missing, is another model, reports an error, or stands outside its joint's limits;
-                or the bus is too slow for the period. Torque is then off.
+                or the bus is too slow for the period. Torque is then as it was before: off, unless the robot was
+                found standing on it.
         """
+        state = self._find(period)
+        on = {servo.slot for line in self._lines for servo in line.servos if self._is_on(line, servo)}
         try:
-            return self._find_and_hold(period, torque)
+            self._hold(state, on, torque)
         except BaseException:
-            self.disarm()
+            if not on:
+                self.disarm()
             raise
+        return self._read_patiently()
 
     def exchange(self, goals: Sequence[float], period: int) -> JointState:
         """Write the goals (rad) to all joints and read all of them back, within `period` ns."""
         return self._transact(goals, period)
 
-    def disarm(self) -> None:
-        """Switch torque off. Never raises."""
+    def disarm(self) -> list[str]:
+        """Switch torque off; return the joints at which that could not be confirmed. Never raises."""
+        doubtful: list[str] = []
         for line in self._lines:
-            with contextlib.suppress(Exception):
-                # Twice: nobody acknowledges a broadcast.
-                line.broadcast_torque_off()
-                line.broadcast_torque_off()
-                self._clock.wait((), self._clock.now() + _NS // 100)
+            try:
+                doubtful += self._let_go(line)
+            except Exception:
+                doubtful += [servo.joint for servo in line.servos]
+        return doubtful
 
     def close(self) -> None:
-        """Disarm and give the ports back. Never raises."""
-        self.disarm()
+        """Give the ports back. Never raises."""
         for line in self._lines:
             with contextlib.suppress(Exception):
                 line.port.close()
+
+    def _let_go(self, line: ServoLine) -> list[str]:
+        """Switch a wire's torque off, twice since nobody acknowledges a broadcast, and look whether it is."""
+        for _ in range(2):
+            self._pause(_QUIET)
+            line.broadcast_torque_off()
+        self._pause(_QUIET)
+        for index, servo in enumerate(line.servos):
+            try:
+                if self._is_on(line, servo):
+                    line.write_register(self._clock, servo, "torque_enable", 0)
+            except BusError:
+                # The others are hardly to be heard either, and somebody waits.
+                return [other.joint for other in line.servos[index:]]
+        return []
 
     def statistics(self) -> Mapping[str, BusStatistics]:
         """Return what each bus carried, by its name."""
@@ -96,31 +117,34 @@ class SerialServoBus:
             for line in self._lines
         }
 
-    def _find_and_hold(self, period: int, torque: float) -> JointState:
+    def _find(self, period: int) -> JointState:
+        """Find every servo as the robot's file says, and where its joint is. Nothing is changed but settings."""
         for line in self._lines:
-            self._find(line)
+            self._identify(line)
             self._check_pace(line, period)
         self._heard = [self._clock.now()] * len(self._joints)
         state = self._read_patiently()
         self._check_positions(state)
-        idle = {line.name: [servo for servo in line.servos if not self._is_on(line, servo)] for line in self._lines}
+        return state
+
+    def _hold(self, state: JointState, on: Set[int], torque: float) -> None:
+        """Let every servo hold where it is; bring those that are off to power, limb by limb and gently."""
         for line in self._lines:
-            if idle[line.name]:
-                line.cap_torque(_GENTLE * torque, idle[line.name])
+            line.cap_torque(_GENTLE * torque, [servo for servo in line.servos if servo.slot not in on])
         # The goal register may hold anything: it must hold the present position before torque is on.
         self._transact(state.position, _NS, _PATIENCE)
         for limb in dict.fromkeys(servo.limb for line in self._lines for servo in line.servos):
             for line in self._lines:
-                for servo in idle[line.name]:
-                    if servo.limb == limb:
+                for servo in line.servos:
+                    if servo.limb == limb and servo.slot not in on:
                         self._switch_on(line, servo, state.position[servo.slot])
-            self._pause()
+            self._pause(_SETTLING)
         for share in _RAMP:
             for line in self._lines:
-                if idle[line.name]:
-                    line.cap_torque(share * torque, idle[line.name])
-            self._pause()
-        return self._read_patiently()
+                line.cap_torque(share * torque, [servo for servo in line.servos if servo.slot not in on])
+            self._pause(_SETTLING)
+        for line in self._lines:
+            line.cap_torque(torque, line.servos)
 
     def _read_patiently(self) -> JointState:
         """Read all joints, again if some do not answer: nothing presses yet."""
@@ -141,8 +165,8 @@ class SerialServoBus:
     def _is_on(self, line: ServoLine, servo: Wired) -> bool:
         return line.read_register(self._clock, servo, "torque_enable") != 0
 
-    def _pause(self) -> None:
-        self._clock.wait((), self._clock.now() + _SETTLING)
+    def _pause(self, duration: int) -> None:
+        self._clock.wait((), self._clock.now() + duration)
 
     def _check_positions(self, state: JointState) -> None:
         """Refuse what cannot be a joint's angle: a missing one, or one outside its limits."""
@@ -172,7 +196,7 @@ class SerialServoBus:
             f"bus {line.name} cannot be read at {rate} Hz: an exchange takes {exchange:.1f} ms, for {cause}. "
             f"As it is, --rate {largest} is the most")
 
-    def _find(self, line: ServoLine) -> None:
+    def _identify(self, line: ServoLine) -> None:
         """Ping every servo of a wire and check that it is what the robot's file says."""
         missing: list[Wired] = []
         fast = True
@@ -193,6 +217,7 @@ class SerialServoBus:
                     f"{servo} on bus {line.name} should be a {servo.model.name} "
                     f"(model {servo.model.model_number}); model {number} answered")
             fast = fast and self._reads_fast(line, servo)
+            line.settle(self._clock, servo)
         if missing:
             everyone = " Is it powered, and is the baud right?" if len(missing) == len(line.servos) else ""
             raise BusError(f"no answer on bus {line.name} from {', '.join(map(str, missing))}.{everyone}")
@@ -207,15 +232,12 @@ class SerialServoBus:
     def _transact(self, goals: Sequence[float] | None, period: int, margin: int = _MARGIN) -> JointState:
         start = self._clock.now()
         latest = start + round(_SHARE_OF_PERIOD * period)
-        for line in self._lines:
-            line.begin(goals, start, margin)
-        pending = list(self._lines)
+        pending = [line for line in self._lines if line.begin(goals, start, margin)]
         while pending:
             self._clock.wait([line.port for line in pending], min(latest, *(line.deadline for line in pending)))
             now = self._clock.now()
-            for line in pending:
-                line.collect()
-            pending = [line for line in pending if not line.complete and now < min(line.deadline, latest)]
+            pending = [
+                line for line in pending if line.collect() and not line.complete and now < min(line.deadline, latest)]
         return self._state(self._clock.now(), self._lines)
 
     def _state(self, now: int, lines: Iterable[ServoLine]) -> JointState:

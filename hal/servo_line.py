@@ -7,7 +7,7 @@ from hal import bus_plan
 from hal.calibration import Calibration
 from hal.encoding import BlockDecoder, pack, unpack
 from hal.protocol import GroupReply, ServoProtocol, Status
-from hal.register_map import ServoModel
+from hal.register_map import Memory, ServoModel
 from robotwalk.errors import BusError
 from robotwalk.ports import BytePort, Clock
 
@@ -105,23 +105,32 @@ class ServoLine:
         plan = bus_plan.cyclic(self.protocol, [servo.model for servo in self.servos], fast=fast)
         self._wire_ns = round(bus_plan.wire_seconds(plan, self._baud) * _NS)
 
-    def begin(self, goals: Sequence[float] | None, now: int, margin: int) -> None:
+    def begin(self, goals: Sequence[float] | None, now: int, margin: int) -> bool:
         """Write the goals (rad, in the robot's joint order), if any, and ask for everybody's state.
 
-        Answers may come until `margin` ns past the time that the exchange takes.
+        Answers may come until `margin` ns past the time that the exchange takes. Return whether any may come: a
+        dead port costs its own joints their samples, not the other wires theirs.
         """
         frame = self._request if goals is None else self._goal_frame(goals) + self._request
-        self._drop_stale()
         self._group.reset()
-        self._send(frame)
         self.transactions += 1
+        try:
+            self._drop_stale()
+            self._send(frame)
+        except BusError:
+            return False
         self.deadline = now + self.exchange_ns + self.latency // 4 + margin
+        return True
 
-    def collect(self) -> None:
-        """Take the bytes that have come."""
-        data = self.port.read()
+    def collect(self) -> bool:
+        """Take the bytes that have come; return whether more may come."""
+        try:
+            data = self.port.read()
+        except BusError:
+            return False
         self.rx_bytes += len(data)
         self._group.feed(data)
+        return True
 
     @property
     def complete(self) -> bool:
@@ -168,7 +177,9 @@ class ServoLine:
 
     def cap_torque(self, share: float, servos: Sequence[Wired]) -> None:
         """Bound the output of servos to a share of the largest. Nobody acknowledges it."""
-        register = self.servos[0].model[self.servos[0].model.cyclic.torque_cap]
+        if not servos:
+            return
+        register = servos[0].model[servos[0].model.cyclic.torque_cap]
         assert register.range is not None
         data = pack(register, round(share * register.range[1]))
         items = [(servo.id, data) for servo in servos]
@@ -194,6 +205,24 @@ class ServoLine:
         register = servo.model[name]
         frame = self.protocol.write(servo.id, register.address, pack(register, value))
         self._accepted(servo, self.request(clock, frame, servo.id, 0), f"{name} = {value}")
+
+    def settle(self, clock: Clock, servo: Wired) -> None:
+        """See that a servo's settings are those of a position servo without a profile of its own.
+
+        What it forgets without power is written; what it keeps is not ours to change unasked.
+
+        Raises:
+            BusError: a setting in its EEPROM is another.
+        """
+        for name, wanted in servo.model.cyclic.settings.items():
+            found = self.read_register(clock, servo, name)
+            if found == wanted:
+                continue
+            if servo.model[name].memory is Memory.EEPROM:
+                raise BusError(
+                    f"{servo} on bus {self.name} has {name} = {found}; to walk it needs {wanted}: "
+                    f"robotwalk servo write {servo.id} {name}={wanted} --raw")
+            self.write_register(clock, servo, name, wanted)
 
     def broadcast_torque_off(self) -> None:
         """Switch off the torque of all servos, without waiting for anything."""

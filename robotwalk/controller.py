@@ -67,9 +67,9 @@ class Controller:
         """Advance by `dt` s."""
         unfold = self._unfold
         if unfold is not None and not unfold.done:
-            angles = unfold.step(dt if state is State.STAND else 0.0)
-            seated = state in (State.SIT, State.FAULT)
-            return Wanted(angles, STILL, 1.0, self._stepping.footfalls().planted, 0.0, False, seated)
+            # On the way down too: it may have been found standing, and is down only when its joints have arrived.
+            angles = unfold.step(0.0 if state is State.READY else dt)
+            return Wanted(angles, STILL, 1.0, self._stepping.footfalls().planted, 0.0, False, False)
         shaped, bearable = self._shape(state, command, estimate, dt)
         # While a body shifts, its joints give to changing loads, and odometry sees turns that are none.
         held = command.heading is not None or self._clock.gait.balance is not None
@@ -85,7 +85,7 @@ class Controller:
         lowered = height == self._model.heights.sit
         return Wanted(
             angles, twist, shaped.scale, footfalls.planted, reach_error,
-            standing=settled and not lowered, seated=settled and lowered)
+            standing=settled and state in (State.STAND, State.WALK), seated=settled and lowered)
 
     def _shape(self, state: State, command: Command, estimate: Estimate, dt: float) -> tuple[Shaped, float]:
         """Return the twist to walk with, and the share of the feasible one that the standing feet can bear."""

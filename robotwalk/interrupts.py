@@ -15,12 +15,15 @@ class Interrupts:
 
     def __init__(self) -> None:
         self._came: list[int] = []
+        self._sitting = False
         self._before: dict[int, Callable[[int, FrameType | None], Any] | int | None] = {}
 
     def install(self) -> None:
         """Take the signals. Only a main thread can; in any other this does nothing."""
         if threading.current_thread() is threading.main_thread():
-            self._before = {number: signal.signal(number, self._note) for number in self._SIGNALS}
+            # A hang-up that `nohup` has told us to ignore stays ignored.
+            wanted = [number for number in self._SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+            self._before = {number: signal.signal(number, self._note) for number in wanted}
 
     def restore(self) -> None:
         """Give the signals back."""
@@ -28,6 +31,11 @@ class Interrupts:
             with contextlib.suppress(ValueError, TypeError):
                 signal.signal(number, handler)
         self._before = {}
+
+    def heed_only_ctrl_c(self) -> None:
+        """From now on only a Ctrl-C counts: the robot is sitting down, and a hang-up that comes twice asks no more."""
+        self._came.clear()
+        self._sitting = True
 
     def check(self) -> None:
         """Raise what the oldest signal not yet raised stands for.
@@ -43,4 +51,5 @@ class Interrupts:
             raise SystemExit(128 + number)
 
     def _note(self, number: int, frame: FrameType | None) -> None:
-        self._came.append(number)
+        if number == signal.SIGINT or not self._sitting:
+            self._came.append(number)

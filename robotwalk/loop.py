@@ -66,6 +66,7 @@ class Loop:
         self.period = _NS // rate_hz
         self._grid = Grid(rate_hz, after=clock.now())
         self._goals: tuple[float, ...] = ()
+        self._joints = JointState((), (), (), (), ())
         self._wanted = Wanted((), STILL, 1.0, (), 0.0, False, False)
         self.wake, self.exchange, self.compute = Histogram(), Histogram(), Histogram()
         self._digest = hashlib.sha256()
@@ -100,6 +101,7 @@ class Loop:
         self.gate.reset(state.position)
         self._feedforward.reset(state.position)
         self._goals = state.position
+        self._joints = state
         self._wanted = self._wanted._replace(planted=())
         self._grid = Grid(self.rate_hz, after=self._clock.now())
 
@@ -110,6 +112,7 @@ class Loop:
         clock.wait((), deadline)
         woke = clock.now()
         joints = self._bus.exchange(self._goals, self.period)
+        self._joints = joints
         read = clock.now()
         started = time.perf_counter_ns()
         tick = self._think(deadline, joints, dt)
@@ -124,6 +127,15 @@ class Loop:
                 woke - deadline, read - woke, computed))
         self._grid.advance(clock.now())
         return tick
+
+    def freeze(self) -> None:
+        """Hold every joint where it is, through the gate: measured if it answered, else where it was sent."""
+        for _ in range(2):  # nobody acknowledges goals
+            goals = [
+                position if valid else goal
+                for position, valid, goal in zip(self._joints.position, self._joints.valid, self._goals, strict=True)]
+            self._goals = self.gate.step(goals, 1.0 / self.rate_hz)
+            self._bus.exchange(self._goals, self.period)
 
     def _think(self, now: int, joints: JointState, dt: float) -> Tick:
         """Everything between the bytes read and the goals for the next write."""

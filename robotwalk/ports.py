@@ -70,12 +70,12 @@ class ServoBus(Protocol):
         """Write the goals (rad) to all joints and read all of them back, within `period` ns."""
         ...
 
-    def disarm(self) -> None:
-        """Switch torque off. Never raises."""
+    def disarm(self) -> list[str]:
+        """Switch torque off; return the joints at which that could not be confirmed. Never raises."""
         ...
 
     def close(self) -> None:
-        """Disarm and give the ports back. Never raises."""
+        """Give the ports back. Never raises."""
         ...
 
     def statistics(self) -> Mapping[str, BusStatistics]:

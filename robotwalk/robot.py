@@ -16,6 +16,7 @@ from robotwalk.types import LEVEL, STILL, BusStatistics, Command, JointState, Po
 
 _LONGEST_STAND_UP = 15.0  # s; so long as this, something blocks it
 _LONGEST_SIT_DOWN = 20.0  # s, the last steps included
+_LONGEST_WALK = 86400.0  # s, a day
 
 
 class RobotState(NamedTuple):
@@ -31,8 +32,13 @@ class Robot:
     """A robot on its bus. Leaving the block, by any path, seats it and switches torque off.
 
     Each call that moves the robot returns when the motion is over. Ctrl-C, SIGTERM and SIGHUP are taken
-    between ticks: the first one leaves the block, so the robot sits; one more freezes it as it is, with
-    torque on.
+    between ticks: the first one leaves the block, so the robot sits; a Ctrl-C while it sits down freezes it
+    as it is, with torque on. Between calls nothing watches over the robot: it holds its last goals.
+
+    Attributes:
+        model, gaits, loop, events: what it is made of, and what has happened.
+        observers: called with every tick.
+        frozen: whether it was left with torque on.
     """
 
     def __init__(
@@ -51,16 +57,21 @@ class Robot:
         self._interrupts = Interrupts()
         self._seconds = 0.0
         self._last: Tick | None = None
-        self._frozen = False
+        self._entered = False
+        self._armed = False  # whether we have switched torque on, and not yet off
+        self.frozen = False
 
     def __enter__(self) -> Self:
         self._interrupts.install()
+        self._entered = True
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+        if kind is None:
+            self._interrupts.check()  # what came too late to be heeded while the robot sat down
 
     @property
     def state(self) -> RobotState:
@@ -81,11 +92,14 @@ class Robot:
             BusError: a servo is missing.
             SafetyStop: the robot had to sit down.
         """
+        if not self._entered:
+            raise UsageError("use the robot in a `with` block: only that seats it whatever happens")
         state = self.loop.supervisor.state
         if state is State.STOP:
             self._arm()
         self.loop.command = Command()
-        self._request(Request.HALT if state is State.WALK else Request.STAND)
+        if state is not State.STAND:
+            self._request(Request.HALT if state is State.WALK else Request.STAND)
         self._run(_LONGEST_STAND_UP, until=lambda tick: tick.wanted.standing, what="stand")
 
     def walk(
@@ -108,6 +122,8 @@ class Robot:
             UsageError: a value makes no sense, or the robot does not stand.
             SafetyStop: the robot had to sit down.
         """
+        if not 0.0 <= seconds <= _LONGEST_WALK:
+            raise UsageError(f"a walk lasts 0 to {_LONGEST_WALK:.0f} s, not {seconds}")
         self.command(Command(Twist(vx, vy, wz), heading, height, posture, gait))
         if self.loop.supervisor.state is not State.WALK:
             self._request(Request.WALK)
@@ -134,8 +150,14 @@ class Robot:
         self.loop.command = command
 
     def sit(self) -> None:
-        """Step to rest, sit down, switch torque off. Does nothing to a robot whose torque is off."""
+        """Step to rest, sit down, switch torque off. Does nothing to a robot that we have not armed.
+
+        Raises:
+            SafetyStop: the robot was coming down for a fault, or could not sit.
+        """
         state = self.loop.supervisor.state
+        if state is State.FAULT:
+            self._come_down()
         if state in (State.STAND, State.WALK):
             self.loop.command = Command()
             self._request(Request.SIT)
@@ -156,21 +178,27 @@ class Robot:
             self._recorder.event(self._last.time if self._last else 0, event)
 
     def close(self) -> None:
-        """Sit down if need be, switch torque off, give the ports back."""
+        """Sit down if need be, switch torque off, give the ports back. A Ctrl-C meanwhile freezes the robot."""
+        self._entered = False
         try:
-            if not self._frozen:
+            if not self.frozen:
+                self._interrupts.heed_only_ctrl_c()
                 self._sit_unwatched_if_need_be()
-        except (KeyboardInterrupt, SystemExit):
+        except KeyboardInterrupt:
             self._freeze()
             raise
         finally:
-            self._interrupts.restore()
-            if not self._frozen:
+            if not self.frozen:
+                self._disarm()
                 self._bus.close()
-            failure = self._recorder.close() if self._recorder is not None else None
-            self._recorder = None
-            if failure is not None:
-                self.note("log", failure)
+            self._close_log()
+            self._interrupts.restore()
+
+    def _close_log(self) -> None:
+        failure = self._recorder.close() if self._recorder is not None else None
+        self._recorder = None
+        if failure is not None:
+            self.note("log", failure)
 
     def _sit_unwatched_if_need_be(self) -> None:
         """Sit down; an observer that fails, as when its terminal is gone, must not keep the robot from it."""
@@ -180,7 +208,7 @@ class Robot:
             raise
         except Exception as error:
             self.observers.clear()
-            self.note("observer", f"an observer failed: {error!r}")
+            self.note("error", f"on the way down: {error!r}")
             self.sit()
 
     def _request(self, request: Request) -> None:
@@ -190,21 +218,30 @@ class Robot:
     def _arm(self) -> None:
         self._request(Request.ARM)
         try:
-            self.loop.begin(self._bus.arm(self.loop.period, self._torque))
+            state = self._bus.arm(self.loop.period, self._torque)
         except BaseException:
-            self._disarm()
+            self._request(Request.DISARM)
             raise
+        self._armed = True
+        self.loop.begin(state)
 
     def _disarm(self) -> None:
-        self._bus.disarm()
+        """Switch torque off, if we have switched it on, and say so if that cannot be confirmed."""
+        if self._armed:
+            self._armed = False
+            doubtful = self._bus.disarm()
+            if doubtful:
+                self.note("torque", f"torque may still be on at {', '.join(doubtful)}: cut the power")
         if self.loop.supervisor.state is State.READY:
             self._request(Request.DISARM)
 
     def _freeze(self) -> None:
         """Hold every joint where it was last measured, with torque on, and leave it so."""
-        self._frozen = True
-        if self._last is not None:
-            self._bus.exchange(self._last.joints.position, 10_000_000)
+        self.frozen = True
+        try:
+            self.loop.freeze()
+        except RobotwalkError as error:
+            self.note("error", f"could not freeze: {error}")
         self.note("freeze", "frozen in place; torque stays on")
 
     def _run(
@@ -212,14 +249,9 @@ class Robot:
     ) -> None:
         """Turn the cycle for some time or until something is so; `what` names a motion that must end by then."""
         for _ in range(round(seconds * self.loop.rate_hz)):
-            self.loop.beat()
-            tick = self.loop.tick()
-            self._last = tick
-            self._seconds += 1.0 / self.loop.rate_hz
-            for observer in self.observers:
-                observer(tick)
-            if tick.state is State.STOP:
-                raise self._stopped()
+            tick = self._tick()
+            if tick.state is State.FAULT:
+                self._come_down()
             if until(tick):
                 return
             self._interrupts.check()
@@ -227,9 +259,28 @@ class Robot:
             self.note("timeout", f"{what} took longer than {seconds:.0f} s")
             raise SafetyStop(f"the robot could not {what} within {seconds:.0f} s")
 
-    def _stopped(self) -> SafetyStop:
-        """Switch torque off after a fault has brought the robot down."""
-        self._bus.disarm()
+    def _tick(self) -> Tick:
+        # The caller of this thread is the driver, and alive.
+        self.loop.beat()
+        tick = self._last = self.loop.tick()
+        self._seconds += 1.0 / self.loop.rate_hz
+        for observer in self.observers:
+            observer(tick)
+        return tick
+
+    def _come_down(self) -> None:
+        """Let a fault bring the robot down, switch torque off, and raise.
+
+        Raises:
+            SafetyStop: always.
+        """
         reason = self.loop.supervisor.fault or "it was stopped"
+        for _ in range(round(_LONGEST_SIT_DOWN * self.loop.rate_hz)):
+            if self._tick().state is State.STOP:
+                break
+            self._interrupts.check()
+        self._disarm()
         self.note("safety_stop", reason)
-        return SafetyStop(f"the robot sat down and switched torque off because {reason}")
+        doubt = next((event.text for event in self.events if event.kind == "torque"), None)
+        raise SafetyStop(
+            f"the robot was brought down because {reason}; {doubt or 'torque is off'}")

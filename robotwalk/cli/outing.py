@@ -97,8 +97,10 @@ class Outing:
 
     def ended_as(self) -> str:
         """Return what became of the robot, in words."""
-        seated = self._robot.loop.supervisor.state is State.STOP
-        return "sat down, torque is off" if seated else "is frozen in place, torque is on"
+        if self._robot.frozen:
+            return "is frozen in place, torque is on"
+        doubt = next((event.text for event in self._robot.events if event.kind == "torque"), None)
+        return f"sat down; {doubt}" if doubt else "sat down, torque is off"
 
     def save_film(self, path: Path, progress: Callable[[float], None]) -> None:
         """Draw the film of what happened."""

@@ -138,8 +138,52 @@ def test_a_robot_that_stands_on_its_torque_keeps_it() -> None:
     built.hold([30 * TICK] * COUNT)
     built.bus.arm(PERIOD)
     assert all(frame[:3] != b"\x03\x40\x00" for frame in writes(built)), "torque was never touched"
-    assert all(frame[:3] != b"\x83\x64\x00" for frame in writes(built)), "nor made weak"
+    caps = [frame[6:8] for frame in writes(built) if frame[:3] == b"\x83\x64\x00"]
+    assert caps == [(885).to_bytes(2, "little")], "nor made weak"
     assert [servo.table["goal_position"] for servo in built.servos] == [2078] * COUNT
+
+
+def test_a_robot_that_stands_is_not_dropped_by_a_failed_arming() -> None:
+    built = armed()
+    for frames in (3, 30, 44):  # lost from there on: while it is identified, and while it is taken over
+        built.device.heard.clear()
+        built.device.tamper = lambda replies, frames=frames: replies if len(built.device.heard) < frames else []
+        with pytest.raises(BusError):
+            built.bus.arm(PERIOD)
+    assert [servo.table["torque_enable"] for servo in built.servos] == [1] * COUNT
+
+
+def test_a_servo_in_another_mode_is_refused_with_the_cure() -> None:
+    """In PWM mode the bound of the output would itself be the goal, and the joint would run."""
+    built = rig()
+    built.servos[1].write(11, b"\x10")
+    cure = r"j1 \(id 2\) on bus legs has operating_mode = 16; .* servo write 2 operating_mode=3 --raw"
+    with pytest.raises(BusError, match=cure):
+        built.bus.arm(PERIOD)
+    assert [servo.table["torque_enable"] for servo in built.servos] == [0] * COUNT
+
+
+def test_a_profile_that_somebody_left_in_ram_is_taken_out() -> None:
+    built = rig()
+    built.servos[1].write(112, (30).to_bytes(4, "little"))
+    built.bus.arm(PERIOD)
+    assert built.servos[1].table["profile_velocity"] == 0
+
+
+def test_torque_that_cannot_be_confirmed_off_is_said() -> None:
+    built = armed()
+    built.device.lose = lambda data: b""
+    assert built.bus.disarm() == ["j0", "j1", "j2", "j3", "j4"]
+    built.device.lose = lambda data: data
+    assert built.bus.disarm() == []
+    assert [servo.table["torque_enable"] for servo in built.servos] == [0] * COUNT
+
+
+def test_torque_goes_off_even_where_every_broadcast_is_lost() -> None:
+    built = armed()
+    built.device.lose = lambda data: b"" if data[4] == 0xFE else data
+    assert built.bus.disarm() == []
+    assert [servo.table["torque_enable"] for servo in built.servos] == [0] * COUNT
 
 
 def test_a_joint_outside_its_limits_is_not_armed() -> None:
@@ -342,5 +386,5 @@ def test_disarming_reaches_everyone_and_never_raises() -> None:
         raise OSError("the cable is out")
 
     built.line.port.write = broken  # type: ignore[method-assign]
-    built.bus.disarm()
+    assert built.bus.disarm() == ["j0", "j1", "j2", "j3", "j4"]
     built.bus.close()

@@ -210,9 +210,10 @@ class TestBus:
         servos.place(4, b"\x38\x07")  # 1848
         state = bus_of(servos, 3, 4).arm(PERIOD)
         assert state.position == pytest.approx((100 * STEP, 200 * STEP))
-        assert [frame.hex(" ") for frame in servos.heard[:4]] == [
-            "ff ff 03 02 01 f9", "ff ff 03 04 02 03 02 f1",  # ping, model number
-            "ff ff 04 02 01 f8", "ff ff 04 04 02 03 02 f0"]
+        asked = [frame.hex(" ") for frame in servos.heard]
+        assert asked[:2] == ["ff ff 03 02 01 f9", "ff ff 03 04 02 03 02 f1"]  # ping, model number
+        second = asked.index("ff ff 04 02 01 f8")
+        assert asked[second + 1] == "ff ff 04 04 02 03 02 f0"
         goals = bytes.fromhex("FF FF FE 0A 83 2A 02 03 64 08 04 38 07 96")
         torque_on = bytes.fromhex("FF FF 03 04 03 28 01 CC")
         assert servos.heard.index(goals) < servos.heard.index(torque_on)
@@ -249,7 +250,9 @@ class TestBus:
         bus = bus_of(servos, 3, 4)
         bus.arm(PERIOD)
         bus.disarm()
-        assert servos.heard[-1] == bytes.fromhex("FF FF FE 04 03 28 00 D2")
+        assert servos.heard.count(bytes.fromhex("FF FF FE 04 03 28 00 D2")) == 2
+        # And each is asked whether it has let go.
+        assert [frame.hex(" ") for frame in servos.heard[-2:]] == ["ff ff 03 04 02 28 01 cd", "ff ff 04 04 02 28 01 cc"]
         assert [memory[40] for memory in servos.memory.values()] == [0, 0]
 
     def test_another_model_is_refused(self) -> None:

@@ -1,11 +1,12 @@
 """Lost bytes and silent servos: what the robot does then."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import pytest
 
 from robotwalk import assembly
-from robotwalk.errors import BusError, SafetyStop
+from robotwalk.errors import BusError, SafetyStop, UsageError
 from robotwalk.loop import Tick
 from robotwalk.supervisor import State
 from sim_backend.device import Reply
@@ -107,6 +108,98 @@ def test_a_servo_that_falls_silent_for_good_ends_in_a_sit_with_torque_off() -> N
     assert all(servo.table["torque_enable"] == 0 for servo in simulation.world.servos)
     tilts = [abs(simulation.world.truth().base.roll), abs(simulation.world.truth().base.pitch)]
     assert max(tilts) < 0.05
+
+
+@pytest.mark.parametrize("at", [4.0, 4.3, 4.6, 4.9, 5.2])
+def test_a_fault_near_the_end_of_a_walk_is_no_success_and_no_fall(at: float) -> None:
+    def silence(replies: list[Reply], now: int) -> list[Reply]:
+        return [Reply(r.delay_ns, r.data[:-14]) if len(r.data) > 200 and seconds(now) > at else r for r in replies]
+
+    simulation = tampered(silence)
+
+    def session() -> None:
+        with simulation.robot as robot:
+            robot.stand()
+            robot.walk(vx=0.10, seconds=2.0)
+            robot.walk(vx=0.10, seconds=2.0)
+
+    with pytest.raises(SafetyStop, match="rr_tibia"):
+        session()
+    assert "safety_stop" in [event.kind for event in simulation.robot.events]
+    assert simulation.world.truth().base.z < 0.04
+
+
+def test_an_interrupt_while_a_fault_brings_the_robot_down_does_not_drop_it() -> None:
+    def silence(replies: list[Reply], now: int) -> list[Reply]:
+        return [Reply(r.delay_ns, r.data[:-14]) if len(r.data) > 200 and seconds(now) > 5.0 else r for r in replies]
+
+    simulation = tampered(silence)
+    heights: list[float] = []
+    interrupted = False
+
+    def impatient(tick: Tick) -> None:
+        nonlocal interrupted
+        heights.append(simulation.world.truth().base.z)
+        if tick.state is State.FAULT and not interrupted:
+            interrupted = True
+            raise KeyboardInterrupt
+
+    def session() -> None:
+        with simulation.robot as robot:
+            robot.observers.append(impatient)
+            robot.stand()
+            robot.walk(vx=0.10, seconds=20.0)
+
+    with pytest.raises(SafetyStop):
+        session()
+    drops = [a - b for a, b in pairwise(heights)]
+    assert max(drops) < 0.002, "lowered, at 6 cm/s, not dropped"
+    assert simulation.world.truth().base.z < 0.04
+
+
+def test_a_robot_that_nobody_armed_is_left_as_it_is() -> None:
+    simulation = assembly.simulate("hexapod")
+    with simulation.robot as robot:
+        robot.stand()
+        for servo in simulation.world.servos:
+            assert servo.table["torque_enable"] == 1
+        robot.frozen = True
+    with assembly.simulate("hexapod").robot:
+        pass
+    assert all(servo.table["torque_enable"] == 1 for servo in simulation.world.servos)
+
+
+def test_a_robot_is_used_in_a_with_block_only() -> None:
+    robot = assembly.simulate("hexapod").robot
+    with pytest.raises(UsageError, match="`with` block"):
+        robot.stand()
+    with robot:
+        robot.stand()
+        robot.stand()
+    with pytest.raises(UsageError, match="`with` block"):
+        robot.stand()
+
+
+def test_a_dead_wire_is_no_claim_that_torque_is_off() -> None:
+    simulation = assembly.simulate("hexapod")
+    port = simulation.world.ports["legs"]
+
+    class Dead:
+        def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
+            return []
+
+    def cut(tick: Tick) -> None:
+        if tick.state is State.WALK:
+            port.device = Dead()
+
+    def session() -> None:
+        with simulation.robot as robot:
+            robot.stand()
+            robot.observers.append(cut)
+            robot.walk(vx=0.10, seconds=5.0)
+
+    with pytest.raises(SafetyStop, match=r"torque may still be on at lf_coxa, .*: cut the power"):
+        session()
 
 
 def test_another_model_at_an_id_is_named() -> None:
