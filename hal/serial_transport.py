@@ -20,7 +20,10 @@ _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 def names_hardware(url: str) -> bool:
     """Tell whether a URL leads to what may be a physical robot: a pseudo-terminal, and a socket here, do not."""
     if "://" in url:
-        return not (url.startswith("socket://") and urlsplit(url).hostname in _LOOPBACK)
+        try:
+            return not (url.startswith("socket://") and urlsplit(url).hostname in _LOOPBACK)
+        except ValueError:
+            return True  # it will not open either
     return os.path.exists(url) and not os.path.realpath(url).startswith("/dev/pts/")
 
 
@@ -31,8 +34,8 @@ def open_port(url: str, baud: int) -> TunablePort:
         BusError: it cannot be opened; says why, and what may help.
     """
     try:
-        line = serial.serial_for_url(url, baudrate=baud, timeout=0, write_timeout=0, exclusive=True)
-    except (serial.SerialException, ValueError, OSError) as error:
+        line = serial.serial_for_url(url, baudrate=baud, timeout=0, exclusive=True)
+    except (serial.SerialException, ValueError, TypeError, OSError) as error:
         raise BusError(f"cannot open {url}: {_reason(url, error)}") from error
     if hasattr(line, "set_low_latency_mode"):
         # Pseudo-terminals and many adapters have nothing to set.
@@ -49,6 +52,7 @@ class SerialPort:
         self._url = url
         self._line = line
         self._fileno: int = line.fileno()
+        os.set_blocking(self._fileno, False)
 
     @property
     def baud(self) -> int:
@@ -74,11 +78,14 @@ class SerialPort:
         Raises:
             BusError: the line is gone.
         """
+        # Not by pyserial: its write waits, or spins, for as long as a stuck adapter takes no bytes.
         try:
-            written = self._line.write(data)
-        except (serial.SerialException, OSError) as error:
-            raise BusError(f"{self._url} is gone: {error}") from error
-        if written is not None and written < len(data):
+            written = os.write(self._fileno, data)
+        except BlockingIOError:
+            written = 0
+        except OSError as error:
+            raise BusError(f"{self._url} is gone: {error.strerror}") from error
+        if written < len(data):
             raise BusError(f"{self._url} takes no more bytes: is its adapter stuck?")
 
     def waiting(self) -> int:
@@ -104,6 +111,8 @@ class SerialPort:
 
 def _reason(url: str, error: Exception) -> str:
     """Say why a port does not open, and what may help."""
+    if isinstance(error, (ValueError, TypeError)) or (url.startswith("socket://") and ":" not in url[9:]):
+        return "this is no address of a port; try socket://host:port or a device file"
     number = getattr(error, "errno", None)
     if number == errno.ENOENT or (number is None and not url.startswith("socket://") and not Path(url).exists()):
         return "there is no such port; is the adapter plugged in?"

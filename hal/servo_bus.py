@@ -48,6 +48,11 @@ class SerialServoBus:
         """The wires."""
         return self._lines
 
+    @property
+    def alerts(self) -> list[str]:
+        """The joints whose servos reported a fault of their hardware in the last exchange."""
+        return [joint for line in self._lines for joint in line.alerts]
+
     def arm(self, period: int, torque: float = 1.0) -> JointState:
         """Find every servo, let it hold where it is, switch torque on, limb by limb and gently.
 

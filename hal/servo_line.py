@@ -56,7 +56,7 @@ class ServoLine:
         self.servos = tuple(servos)
         self.protocol = protocol
         self.tx_bytes = self.rx_bytes = self.transactions = self.lost_replies = 0
-        self.alerts: set[str] = set()  # joints whose last reply reported a fault
+        self.alerts: list[str] = []  # joints whose servos reported a fault in this cycle
         self.deadline = 0
         self.latency = 0  # ns that a reply takes beyond its time on the wire
         self._baud = baud
@@ -140,13 +140,14 @@ class ServoLine:
     def samples(self) -> Iterator[Sample]:
         """Return the samples of this cycle; a servo that did not answer well has none."""
         results, size = self._group.results, self._feedback.size
+        self.alerts = []
         for servo in self.servos:
             status = results[servo.id]
             if status is None or status.error or len(status.data) != size:
                 self.lost_replies += 1
                 continue
             if status.alert:
-                self.alerts.add(servo.joint)
+                self.alerts.append(servo.joint)
             yield self._sample(servo, status.data)
 
     def request(self, clock: Clock, frame: bytes, servo_id: int, size: int | None = None) -> Status | None:

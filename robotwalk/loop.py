@@ -141,7 +141,8 @@ class Loop:
         """Everything between the bytes read and the goals for the next write."""
         estimate = self._odometry.step(joints, self._wanted.planted, self._wanted.twist, dt)
         oldest = max(range(len(joints.age)), key=joints.age.__getitem__)
-        state = self.supervisor.step((self._bus.joints[oldest], joints.age[oldest]), self._wanted.seated)
+        stalest = self._bus.joints[oldest], joints.age[oldest]
+        state = self.supervisor.step(stalest, self._wanted.seated, self._bus.alerts)
         command = self._command
         if now - self._beaten_at > _HEARTBEAT:
             command = command._replace(twist=STILL, heading=None)

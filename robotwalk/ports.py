@@ -54,6 +54,11 @@ class ServoBus(Protocol):
         """The joints' names; every sequence below is in this order."""
         ...
 
+    @property
+    def alerts(self) -> Sequence[str]:
+        """The joints whose servos reported a fault of their hardware in the last exchange."""
+        ...
+
     def arm(self, period: int, torque: float = 1.0) -> JointState:
         """Find every servo, let it hold where it is, switch torque on.
 

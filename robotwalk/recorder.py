@@ -4,7 +4,6 @@ The loop only puts a row into a queue, about a microsecond's work. A thread of i
 messages and writes them. Rows are never dropped; a slow disk costs memory, not time.
 """
 
-import contextlib
 import json
 import queue
 import threading
@@ -82,9 +81,11 @@ class Recorder:
         """Write out what is left and close the file; return what went wrong with it, if anything did."""
         self._queue.put(None)
         self._thread.join()
-        with contextlib.suppress(OSError):
-            self._writer.finish()
-            self._file.close()
+        try:
+            with self._file:
+                self._writer.finish()
+        except OSError as error:
+            self._failure = self._failure or f"the log is incomplete: {error.strerror}"
         return self._failure
 
     def _drain(self) -> None:
@@ -96,8 +97,8 @@ class Recorder:
                     self._write_row(item)
                 else:
                     self._write("events", item[0], item[1]._asdict())
-            except OSError as error:  # a full disk is no reason to stop the robot
-                self._failure = f"the log is incomplete: {error.strerror}"
+            except Exception as error:  # a full disk is no reason to stop the robot, nor is anything else here
+                self._failure = f"the log is incomplete: {error}"
 
     def _write_row(self, row: Row) -> None:
         command = row.command._asdict()

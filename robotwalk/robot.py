@@ -16,7 +16,7 @@ from robotwalk.types import LEVEL, STILL, BusStatistics, Command, JointState, Po
 
 _LONGEST_STAND_UP = 15.0  # s; so long as this, something blocks it
 _LONGEST_SIT_DOWN = 20.0  # s, the last steps included
-_LONGEST_WALK = 86400.0  # s, a day
+LONGEST_WALK = 86400.0  # s, a day
 
 
 class RobotState(NamedTuple):
@@ -122,8 +122,8 @@ class Robot:
             UsageError: a value makes no sense, or the robot does not stand.
             SafetyStop: the robot had to sit down.
         """
-        if not 0.0 <= seconds <= _LONGEST_WALK:
-            raise UsageError(f"a walk lasts 0 to {_LONGEST_WALK:.0f} s, not {seconds}")
+        if not 0.0 <= seconds <= LONGEST_WALK:
+            raise UsageError(f"a walk lasts 0 to {LONGEST_WALK:.0f} s, not {seconds}")
         self.command(Command(Twist(vx, vy, wz), heading, height, posture, gait))
         if self.loop.supervisor.state is not State.WALK:
             self._request(Request.WALK)

@@ -10,6 +10,7 @@
 A fault takes every state with torque on to FAULT; from STOP nothing can fault.
 """
 
+from collections.abc import Sequence
 from enum import Enum
 
 from robotwalk.errors import UsageError
@@ -61,7 +62,7 @@ class Supervisor:
         self.state = State.STOP
         self.fault: str | None = None
         self._stale_after = stale_after
-        self._stale_ticks = 0
+        self._stale_ticks = self._alert_ticks = 0
 
     def request(self, request: Request) -> None:
         """Change the state as asked.
@@ -76,16 +77,23 @@ class Supervisor:
             raise UsageError(f"cannot {request.value} in state {self.state.name}")
         self.state = after
 
-    def step(self, oldest_joint: tuple[str, float], seated: bool) -> State:
-        """Take note of the oldest joint sample (name, s) and of the body's height; return the state."""
+    def step(self, oldest_joint: tuple[str, float], seated: bool, alerts: Sequence[str] = ()) -> State:
+        """Take note of the oldest joint sample (name, s), of alerts and of the body's height; return the state."""
         joint, age = oldest_joint
         self._stale_ticks = self._stale_ticks + 1 if age > self._stale_after else 0
-        if self.state is not State.STOP and self.fault is None and self._stale_ticks >= _AGREEING:
-            self.fault = f"joint {joint} has not answered for {age:.2f} s"
-            self.state = State.FAULT
+        self._alert_ticks = self._alert_ticks + 1 if alerts else 0
+        if self.state is not State.STOP and self.fault is None:
+            if self._stale_ticks >= _AGREEING:
+                self._fail(f"joint {joint} has not answered for {age:.2f} s")
+            elif self._alert_ticks >= _AGREEING:
+                self._fail(f"the servo of {', '.join(alerts)} reports overload, heat or a wrong voltage")
         if seated:
             if self.state is State.SIT:
                 self.state = State.READY
             elif self.state is State.FAULT:
                 self.state = State.STOP
         return self.state
+
+    def _fail(self, reason: str) -> None:
+        self.fault = reason
+        self.state = State.FAULT

@@ -7,6 +7,7 @@ from robotwalk.assembly.blueprint import load as load
 from robotwalk.assembly.blueprint import load_servo as load_servo
 from robotwalk.assembly.session import RATE_HZ as RATE_HZ
 from robotwalk.assembly.session import Session as Session
+from robotwalk.assembly.session import check_rate as check_rate
 from robotwalk.assembly.session import connect as connect
 from robotwalk.assembly.simulated import Simulation as Simulation
 from robotwalk.assembly.simulated import bare_physics as bare_physics

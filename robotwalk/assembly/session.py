@@ -60,11 +60,11 @@ def connect(
     blueprint = load(robot) if isinstance(robot, str) else robot
     check_rate(rate_hz)
     urls = _urls(blueprint, ports, real)
-    recorder = open_log(log, blueprint, {"rate_hz": str(rate_hz), **urls})
     opened: dict[str, BytePort] = {}
     try:
         for name, url in urls.items():
             opened[name] = open_port(url, blueprint.hardware.buses[name].baud)
+        recorder = open_log(log, blueprint, {"rate_hz": str(rate_hz), **urls})
     except BaseException:
         for port in opened.values():
             port.close()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from robotwalk.assembly.blueprint import Blueprint, load
 from robotwalk.assembly.session import RATE_HZ, Session, bus_of, check_rate, open_log, robot_of
+from robotwalk.errors import UsageError
 from robotwalk.kinematics import resting_angles
 from sim_backend.adapter import AdapterName
 
@@ -33,6 +34,8 @@ def simulate(robot: str | Blueprint, *, rate_hz: int = RATE_HZ, seed: int = 0, l
     """
     blueprint = load(robot) if isinstance(robot, str) else robot
     check_rate(rate_hz)
+    if seed < 0:
+        raise UsageError(f"a seed is a whole number from 0 on, not {seed}")
     world = simulated_robot(blueprint, rate_hz, seed)
     recorder = open_log(log, blueprint, {"rate_hz": str(rate_hz), "seed": str(seed)})
     bus = bus_of(blueprint, world.clock, world.ports)

@@ -7,8 +7,9 @@ from cyclopts import App, Parameter
 
 from robotwalk import assembly
 from robotwalk.cli.output import progress_line, say, write_json
+from robotwalk.errors import UsageError
 from robotwalk.loop import Tick
-from robotwalk.robot import Robot
+from robotwalk.robot import LONGEST_WALK, Robot
 
 app = App(name="bench", help="Measure the tick or the simulation on this computer.")
 
@@ -67,6 +68,8 @@ def sim(robot: str = "hexapod", /, *, rate: int = 200, seconds: float = 10.0, js
 
 def _walk(robot: Robot, seconds: float) -> tuple[float, int]:
     """Stand up and walk; return the wall seconds and the ticks that it took."""
+    if not 0.0 < seconds <= LONGEST_WALK:
+        raise UsageError(f"--seconds should be above 0 and at most {LONGEST_WALK:.0f}, not {seconds}")
     ticks = 0
     expected = (seconds + _STANDING_UP_S) * robot.loop.rate_hz
     with progress_line() as progress, robot:

@@ -30,6 +30,7 @@ def check(
     json
         One JSON object on stdout.
     """
+    assembly.check_rate(rate)
     blueprint = assembly.load(robot)
     reaches = [checks.gait_reach(blueprint.model, gait) for gait in blueprint.gaits.values()]
     balances = [checks.balance(blueprint.model, gait) for gait in blueprint.gaits.values()]

@@ -12,6 +12,7 @@ from robotwalk.controller import twist_of
 from robotwalk.errors import UsageError
 from robotwalk.journey import Journey, Summary
 from robotwalk.loop import Tick
+from robotwalk.robot import LONGEST_WALK
 from robotwalk.supervisor import State
 from robotwalk.timing import Histogram
 from robotwalk.types import BusStatistics, Pose
@@ -35,6 +36,22 @@ class Plan(NamedTuple):
     gait: str | None
 
 
+def require_possible(plan: Plan, blueprint: assembly.Blueprint) -> None:
+    """Check a plan before anything is opened.
+
+    Raises:
+        UsageError: it makes no sense for this robot.
+    """
+    if plan.gait is not None and plan.gait not in blueprint.gaits:
+        raise UsageError(f"{blueprint.model.name} has no gait {plan.gait!r}; it has {', '.join(blueprint.gaits)}")
+    heights = blueprint.model.heights
+    if plan.height is not None and not heights.lowest <= plan.height <= heights.highest:
+        raise UsageError(
+            f"height {plan.height} m is outside {heights.lowest} to {heights.highest} m of {blueprint.model.name}")
+    if not 0.0 <= plan.duration <= LONGEST_WALK:
+        raise UsageError(f"a walk lasts 0 to {LONGEST_WALK:.0f} s, not {plan.duration}")
+
+
 class Outing:
     """Walks a robot by a plan. Distances count from the end of standing up to the start of sitting down.
 
@@ -42,18 +59,15 @@ class Outing:
     """
 
     def __init__(self, session: assembly.Session, plan: Plan, *, film: bool = False, view: bool = False) -> None:
-        """Prepare it.
+        """Prepare a plan that is possible.
 
         Raises:
-            UsageError: the plan makes no sense for this robot, there is nothing to look at, or no viewer installed.
+            UsageError: the viewer is not installed.
         """
         self._robot = session.robot
         self._world = session.world if isinstance(session, assembly.Simulation) else None
         self._plan = plan
-        gaits = session.blueprint.gaits
-        self._gait = gaits.get(plan.gait or session.blueprint.default_gait)
-        if self._gait is None:
-            raise UsageError(f"{self._robot.model.name} has no gait {plan.gait!r}; it has {', '.join(gaits)}")
+        self._gait = session.blueprint.gaits[plan.gait or session.blueprint.default_gait]
         wanted = twist_of(plan.speed, plan.direction, plan.turn)
         self._twist, self._scale = feasible(wanted, self._robot.model.motion, self._gait)
         self._start: Pose | None = None
@@ -61,8 +75,6 @@ class Outing:
         self._energy = 0.0
         self._ticks = self._walking_ticks = 0
         self._wall = 0.0
-        if (film or view) and self._world is None:
-            raise UsageError("--gif and --view show a simulation; there is none behind a port")
         self._film = assembly.film(self._world) if film and self._world else None
         self._viewer = assembly.viewer(self._world) if view and self._world else None
         self._progress: Progress = lambda text, share: None
@@ -114,7 +126,6 @@ class Outing:
         seconds = self._walking_ticks / loop.rate_hz
         simulated = self._world is not None
         work = model.mass * _GRAVITY * abs(truth.distance)
-        assert self._gait is not None
         return {
             "robot": model.name,
             "gait": self._gait.name,
@@ -185,13 +196,11 @@ class Outing:
             self._viewer.update(self._ticks / rate)
 
     def _caption(self, tick: Tick) -> str:
-        assert self._gait is not None
         speed = math.hypot(tick.wanted.twist.vx, tick.wanted.twist.vy)
         seconds = self._ticks / self._robot.loop.rate_hz
         return f"{self._robot.model.name}  {self._gait.name}  {speed:.2f} m/s   t {seconds:.1f} s"
 
     def _note_scaling(self) -> None:
-        assert self._gait is not None
         if self._scale < 1.0:
             vx, vy, wz = self._twist
             self._robot.note(
@@ -207,7 +216,7 @@ class Outing:
             self._robot.note("limits", f"the limits cut {cuts.total()} goals: {what}{more}")
 
     def _drift(self, summary: Summary) -> float:
-        course = self._plan.direction + (math.pi if self._plan.speed < 0.0 else 0.0)
+        course = self._plan.direction
         return summary.displacement.y * math.cos(course) - summary.displacement.x * math.sin(course)
 
     def _hash(self) -> str:

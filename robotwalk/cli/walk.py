@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from robotwalk import assembly
-from robotwalk.cli.outing import Outing, Plan
+from robotwalk.cli.outing import Outing, Plan, require_possible
 from robotwalk.cli.output import abandon_stdout, complain, progress_line, say, write_json
 from robotwalk.errors import SafetyStop, UsageError
 
@@ -78,34 +78,69 @@ def walk(
     """
     if turn is not None and heading is not None:
         raise UsageError("--turn and --heading exclude each other: one is a rate, the other an angle to hold")
-    for name, value in (
-        ("--speed", speed), ("--direction", direction), ("--heading", heading), ("--turn", turn),
-        ("--height", height), ("--duration", duration),
-    ):
-        if value is not None and not math.isfinite(value):
-            raise UsageError(f"{name} should be a finite number, not {value}")
-    if duration < 0.0:
-        raise UsageError(f"--duration should not be negative, not {duration}")
+    _require_finite(speed=speed, direction=direction, heading=heading, turn=turn, height=height, duration=duration)
+    ports = _ports(port or [])
+    on_bus = bool(ports) or real
+    if hang and not on_bus:
+        raise UsageError("--hang is for a robot on a bus: name it with --port, or say --real")
+    if on_bus and (view or gif is not None):
+        raise UsageError("--gif and --view show a simulation; there is none behind a port")
     if gif is not None:
         assembly.check_film(gif)
+    blueprint = assembly.load(robot)
     plan = Plan(
-        speed=speed, direction=math.radians(direction),
+        speed=abs(speed), direction=math.radians(direction + (180.0 if speed < 0.0 else 0.0)),
         heading=None if heading is None else math.radians(heading),
         turn=math.radians(turn or 0.0), height=height, duration=duration, gait=gait)
-    ports = _ports(port or [])
+    require_possible(plan, blueprint)
     session: assembly.Session
-    if ports or real:
-        session = assembly.connect(robot, ports, real=real, rate_hz=rate, log=log, torque=_HANGING if hang else 1.0)
-    elif hang:
-        raise UsageError("--hang is for a robot on a bus: name it with --port, or say --real")
+    if on_bus:
+        session = assembly.connect(blueprint, ports, real=real, rate_hz=rate, log=log, torque=_HANGING if hang else 1.0)
     else:
-        session = assembly.simulate(robot, rate_hz=rate, seed=seed, log=log)
+        session = assembly.simulate(blueprint, rate_hz=rate, seed=seed, log=log)
     outing = Outing(session, plan, film=gif is not None, view=view)
-    code = _go(outing, json)
+    code = _go(outing)
+    code = _tell(outing.report(), json, code)
     if gif is not None:
+        _draw(outing, gif)
+    return code
+
+
+def _require_finite(**options: float | None) -> None:
+    for name, value in options.items():
+        if value is not None and not math.isfinite(value):
+            raise UsageError(f"--{name} should be a finite number, not {value}")
+
+
+def _ports(words: list[str]) -> dict[str, str]:
+    ports = {}
+    for word in words:
+        bus, separator, url = word.partition("=")
+        if not (bus and separator and url):
+            raise UsageError(f"--port should be BUS=URL, such as legs=/dev/ttyUSB0, not {word!r}")
+        ports[bus] = url
+    return ports
+
+
+def _go(outing: Outing) -> int:
+    """Walk; return the exit code. Whatever ends the walk, what was measured until then is kept."""
+    try:
         with progress_line() as progress:
-            outing.save_film(gif, lambda share: progress(f"drawing {gif}", share))
-    fields = outing.report()
+            outing.run(progress)
+    except SafetyStop as error:
+        complain(str(error))
+        return error.exit_code
+    except KeyboardInterrupt:
+        complain(f"interrupted; the robot {outing.ended_as()}")
+        return 130
+    except SystemExit as stop:
+        complain(f"told to end; the robot {outing.ended_as()}")
+        return int(stop.code or 0)
+    return 0
+
+
+def _tell(fields: dict[str, Any], json: bool, code: int) -> int:
+    """Say what came of it; return the exit code, now that all is known."""
     try:
         if json:
             write_json(fields)
@@ -121,31 +156,13 @@ def walk(
     return code
 
 
-def _ports(words: list[str]) -> dict[str, str]:
-    ports = {}
-    for word in words:
-        bus, separator, url = word.partition("=")
-        if not (bus and separator and url):
-            raise UsageError(f"--port should be BUS=URL, such as legs=/dev/ttyUSB0, not {word!r}")
-        ports[bus] = url
-    return ports
-
-
-def _go(outing: Outing, json: bool) -> int:
-    """Walk; return the exit code. Whatever ends the walk, what was measured until then is kept."""
+def _draw(outing: Outing, path: Path) -> None:
     try:
         with progress_line() as progress:
-            outing.run(progress)
-    except SafetyStop as error:
-        complain(str(error))
-        return error.exit_code
+            outing.save_film(path, lambda share: progress(f"drawing {path}", share))
     except KeyboardInterrupt:
-        complain(f"interrupted; the robot {outing.ended_as()}")
-        return 130
-    except SystemExit as stop:
-        complain(f"told to end; the robot {outing.ended_as()}")
-        return int(stop.code or 0)
-    return 0
+        complain(f"interrupted; {path} was not drawn")
+        raise
 
 
 def _show(fields: dict[str, Any]) -> None:

@@ -22,7 +22,19 @@ HEXAPOD = (library.root() / "robots" / "hexapod.yaml").read_text()
     (["walk", "hexapod", "--gait", "trot"], 2, "hexapod has no gait 'trot'; it has ripple, tripod, wave"),
     (["walk", "hexapod", "--speed", "nan"], 2, "--speed should be a finite number, not nan"),
     (["walk", "hexapod", "--turn", "inf"], 2, "--turn should be a finite number, not inf"),
-    (["walk", "hexapod", "--duration", "-1"], 2, "--duration should not be negative, not -1.0"),
+    (["walk", "hexapod", "--duration", "-1"], 2, "a walk lasts 0 to 86400 s, not -1.0"),
+    (["walk", "hexapod", "--duration", "1e308"], 2, "a walk lasts 0 to 86400 s, not 1e+308"),
+    (["walk", "hexapod", "--seed", "-1"], 2, "a seed is a whole number from 0 on, not -1"),
+    (["walk", "hexapod", "--port", "legs"], 2, "--port should be BUS=URL"),
+    (["walk", "hexapod", "--port", "arms=/dev/null"], 2, "hexapod has no bus 'arms'; it has legs"),
+    (["walk", "hexapod", "--port", "legs=socket://[::1:5000"], 2, "may be a physical robot: say --real"),
+    (["walk", "hexapod", "--port", "legs=/dev/nosuch"], 4, "cannot open /dev/nosuch: there is no such port"),
+    (["walk", "hexapod", "--port", "legs=socket://localhost"], 4, "this is no address of a port"),
+    (["walk", "hexapod", "--port", "legs=/dev/null", "--gif", "a.gif"], 2, "--gif and --view show a simulation"),
+    (["walk", "hexapod", "--hang"], 2, "--hang is for a robot on a bus"),
+    (["check", "hexapod", "--rate", "0"], 2, "the rate should be 10 to 1000 Hz, not 0"),
+    (["bench", "sim", "--seconds", "0"], 2, "--seconds should be above 0"),
+    (["bench", "tick", "--seconds", "nan"], 2, "--seconds should be above 0"),
     (["walk", "hexapod", "--height", "0.5"], 2, "height 0.5 m is outside 0.095 to 0.135 m of hexapod"),
     (["walk", "hexapod", "--turn", "5", "--heading", "5"], 2, "--turn and --heading exclude each other"),
     (["walk", "hexapod", "--rate", "5"], 2, "the rate should be 10 to 1000 Hz, not 5"),
@@ -38,7 +50,7 @@ def test_a_wrong_command_line(robotwalk: Run, words: list[str], code: int, sente
     assert result.code == code
     assert sentence in result.err
     assert result.out == ""
-    assert result.err.startswith("robotwalk: " if code == 2 else "missing.yaml: ")
+    assert result.err.startswith("missing.yaml: " if code == 3 else "robotwalk: ")
     assert result.err.count("\n") == 1, "one sentence"
 
 
@@ -69,6 +81,12 @@ def test_a_broken_robot_file(robotwalk: Run, tmp_path: Path, old: str, new: str,
     assert result.code == 3
     assert result.out == ""
     assert re.search(message, result.err, re.MULTILINE), result.err
+
+
+def test_a_wrong_word_costs_no_log_of_yesterday(robotwalk: Run, tmp_path: Path) -> None:
+    (tmp_path / "keep.mcap").write_text("yesterday")
+    assert robotwalk("walk", "hexapod", "--gait", "nosuch", "--log", "keep.mcap").code == 2
+    assert (tmp_path / "keep.mcap").read_text() == "yesterday"
 
 
 def test_several_mistakes_are_told_at_once_in_order(robotwalk: Run, tmp_path: Path) -> None:

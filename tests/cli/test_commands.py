@@ -73,6 +73,8 @@ def test_a_walk_leaves_a_film_and_a_log(robotwalk: Run, tmp_path: Path) -> None:
 def test_a_negative_speed_walks_backwards(robotwalk: Run) -> None:
     report = robotwalk("walk", "hexapod", "--speed", "-0.05", "--duration", "2", "--json").json
     assert report["displacement"]["x"] == pytest.approx(-0.1, rel=0.15)
+    assert report["distance_m"] == pytest.approx(0.1, rel=0.15)
+    assert report["commanded"]["vx"] == pytest.approx(-0.05)
 
 
 @pytest.mark.parametrize("kind", ["robots", "servos", "gaits"])

@@ -7,7 +7,6 @@ last two with the simulated robot in a process of its own, in real time.
 import math
 import socket
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -29,19 +28,21 @@ def free_port() -> int:
         return int(server.getsockname()[1])
 
 
-@pytest.fixture(params=library.names("robots"))
+@pytest.fixture(scope="module", params=library.names("robots"))
 def robot(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
-@pytest.fixture(params=["in process", "pty", "tcp"])
-def opened(request: pytest.FixtureRequest, robot: str, tmp_path: Path) -> Iterator[Opener]:
-    """Yield what opens the robot's bus; in real time it is the same device each time."""
+@pytest.fixture(scope="module", params=["in process", "pty", "tcp"])
+def opened(
+    request: pytest.FixtureRequest, robot: str, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Opener]:
+    """Yield what opens the robot's bus; it is the same device each time, as the test before has left it."""
     if request.param == "in process":
         simulation = assembly.simulate(robot, rate_hz=50)
         yield lambda: simulation
         return
-    where = ("--pty", str(tmp_path)) if request.param == "pty" else ("--tcp", f"127.0.0.1:{free_port()}")
+    where = ("--pty", str(tmp_path_factory.mktemp(robot))) if request.param == "pty" else ("--tcp", f"127.0.0.1:{free_port()}")
     with served(robot, *where) as urls:
         yield lambda: assembly.connect(robot, urls, rate_hz=50)
 
@@ -81,9 +82,10 @@ def test_a_joint_goes_where_it_is_told_and_the_others_stay(opened: Opener) -> No
     session.bus.close()
 
 
-def test_a_closed_bus_has_let_go_and_can_be_opened_again(opened: Opener) -> None:
+def test_a_bus_disarmed_and_closed_has_let_go_and_can_be_opened_again(opened: Opener) -> None:
     session = opened()
     session.bus.arm(PERIOD)
+    assert session.bus.disarm() == []
     session.bus.close()
     again = opened()
     line = next(iter(again.bus.lines))
@@ -134,7 +136,7 @@ def test_nan_is_refused_before_a_byte_is_sent(opened: Opener) -> None:
 def test_disarming_lets_every_joint_go(opened: Opener) -> None:
     session = opened()
     session.bus.arm(PERIOD)
-    session.bus.disarm()
+    assert session.bus.disarm() == []
     for line in session.bus.lines:
         for servo in line.servos:
             assert line.read_register(session.clock, servo, "torque_enable") == 0

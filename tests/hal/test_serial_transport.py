@@ -117,3 +117,16 @@ def test_what_may_be_a_physical_robot(line: tuple[int, str], tmp_path: Path) -> 
     assert names_hardware("/dev/tty")
     (tmp_path / "usb").symlink_to("/dev/null")
     assert names_hardware(str(tmp_path / "usb"))
+
+
+def test_a_line_that_takes_no_bytes_is_an_error_and_not_a_wait(line: tuple[int, str]) -> None:
+    _, name = line
+    port = open_port(name, 1_000_000)
+
+    def fill() -> None:
+        for _ in range(10_000):
+            port.write(bytes(1000))
+
+    with pytest.raises(BusError, match="takes no more bytes"):
+        fill()
+    port.close()

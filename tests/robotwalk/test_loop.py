@@ -40,6 +40,7 @@ class PerfectBus:
 
     def __init__(self, model: RobotModel, clock: ManualClock) -> None:
         self.joints = model.joint_names
+        self.alerts: list[str] = []
         self.written: list[tuple[float, ...]] = []
         self.exchange_ns = 4_000_000
         self.position = tuple(resting_angles(model, model.heights.sit))

@@ -85,9 +85,10 @@ def test_a_log_that_cannot_be_written(tmp_path: Path) -> None:
         Recorder(tmp_path / "nowhere" / "run.mcap", JOINTS, {})
 
 
-def test_a_full_disk_is_told_and_stops_nothing(tmp_path: Path) -> None:
+@pytest.mark.parametrize("events", [1, 5000])
+def test_a_full_disk_is_told_and_stops_nothing(events: int) -> None:
     recorder = Recorder(Path("/dev/full"), ("a",), {})
-    for index in range(3000):
+    for index in range(events):
         recorder.event(index, Event(0.0, "kind", "text" * 100))
     failure = recorder.close()
     assert failure is not None

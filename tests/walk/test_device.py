@@ -69,7 +69,7 @@ def assert_seated(device: Device) -> None:
 
 
 def test_it_walks_the_device(device: Device) -> None:
-    done = device.walk("--speed", "0.08", "--duration", "6", "--json")
+    done = device.walk("--speed", "0.08", "--duration", "5", "--json")
     assert done.returncode == 0, done.stderr
     report = json.loads(done.stdout)
     assert report["backend"] == "bus"
@@ -123,3 +123,44 @@ def test_the_first_motion_on_a_stand_is_weak(hexapod: Device) -> None:
     # On the ground a third of the torque may not do; in any case the robot ends seated, torque off.
     assert done.returncode in (0, 5), done.stderr
     assert_seated(hexapod)
+
+
+def test_a_stuck_far_end_ends_in_a_safety_stop_that_makes_no_claim(tmp_path: Path) -> None:
+    """The process behind the port is stopped, as a wedged adapter is: nothing is read, nothing answered."""
+    truth = tmp_path / "truth.jsonl"
+    sim = subprocess.Popen(
+        [*COMMAND, "sim", "hexapod", "--pty", str(tmp_path), "--truth", str(truth)], stdout=subprocess.PIPE, text=True)
+    try:
+        assert sim.stdout is not None
+        sim.stdout.readline()
+        walk = Device("hexapod", f"legs={tmp_path / 'legs'}", truth).start_walking()
+        sim.send_signal(signal.SIGSTOP)
+        _, err = walk.communicate(timeout=60)
+        assert walk.returncode == 5
+        assert "has not answered" in err
+        assert "torque may still be on" in err
+    finally:
+        sim.send_signal(signal.SIGCONT)
+        sim.terminate()
+        sim.wait(20)
+
+
+def test_a_port_that_dies_under_the_walk_is_a_safety_stop_with_a_report(tmp_path: Path) -> None:
+    truth = tmp_path / "truth.jsonl"
+    sim = subprocess.Popen(
+        [*COMMAND, "sim", "hexapod", "--pty", str(tmp_path), "--truth", str(truth)], stdout=subprocess.PIPE, text=True)
+    assert sim.stdout is not None
+    sim.stdout.readline()
+    device = Device("hexapod", f"legs={tmp_path / 'legs'}", truth)
+    walk = subprocess.Popen(
+        [*COMMAND, "walk", "hexapod", "--port", device.port, "--duration", "600", "--json"], text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    device.await_motion()
+    sim.kill()
+    sim.wait(20)
+    out, err = walk.communicate(timeout=60)
+    assert walk.returncode == 5
+    assert "torque may still be on" in err
+    report = json.loads(out)
+    assert report["distance_m"] > 0.0
+    assert "torque" in [event["kind"] for event in report["events"]]

@@ -157,6 +157,25 @@ def test_an_interrupt_while_a_fault_brings_the_robot_down_does_not_drop_it() -> 
     assert simulation.world.truth().base.z < 0.04
 
 
+def test_a_servo_that_overheats_in_mid_walk_brings_the_robot_down() -> None:
+    simulation = assembly.simulate("hexapod")
+
+    def heat(tick: Tick) -> None:
+        if tick.state is State.WALK:
+            simulation.world.physics.temperature_c[5] = 90.0
+
+    def session() -> None:
+        with simulation.robot as robot:
+            robot.stand()
+            robot.observers.append(heat)
+            robot.walk(vx=0.05, seconds=5.0)
+
+    with pytest.raises(SafetyStop, match="the servo of lm_tibia reports overload, heat or a wrong voltage"):
+        session()
+    assert simulation.world.truth().base.z < 0.04
+    assert all(servo.table["torque_enable"] == 0 for servo in simulation.world.servos)
+
+
 def test_a_robot_that_nobody_armed_is_left_as_it_is() -> None:
     simulation = assembly.simulate("hexapod")
     with simulation.robot as robot:
