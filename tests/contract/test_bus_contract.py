@@ -42,7 +42,8 @@ def opened(
         simulation = assembly.simulate(robot, rate_hz=50)
         yield lambda: simulation
         return
-    where = ("--pty", str(tmp_path_factory.mktemp(robot))) if request.param == "pty" else ("--tcp", f"127.0.0.1:{free_port()}")
+    folder, address = str(tmp_path_factory.mktemp(robot)), f"127.0.0.1:{free_port()}"
+    where = ("--pty", folder) if request.param == "pty" else ("--tcp", address)
     with served(robot, *where) as urls:
         yield lambda: assembly.connect(robot, urls, rate_hz=50)
 
