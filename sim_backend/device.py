@@ -4,8 +4,8 @@ Not modelled: collisions. Of servos that share an id all obey, and the first one
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import ClassVar, NamedTuple, Protocol, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import ClassVar, Generic, NamedTuple, Protocol, TypeVar
 
 from sim_backend.fake_servo import FakeServo
 
@@ -82,6 +82,27 @@ class InstructionParser(ABC):
     @abstractmethod
     def _next(self) -> Packet | None:
         """Take the first whole frame off the buffer, and what lies before it."""
+
+
+class ServoDevice(ABC, Generic[Servo]):
+    """All servos of one bus, of one protocol; a `Device`."""
+
+    def __init__(self, servos: Sequence[Servo], parser: InstructionParser) -> None:
+        self._servos = tuple(servos)
+        self._parser = parser
+
+    def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
+        """Take bytes, the last of which arrives at `now` ns; return what is answered, in order."""
+        byte_ns = byte_time(baud)
+        replies: list[Reply] = []
+        for packet in self._parser.feed(data, now, byte_ns):
+            listening = [servo for servo in self._servos if servo.listens(now, baud)]
+            replies += self._obey(packet, listening, now, byte_ns)
+        return replies
+
+    @abstractmethod
+    def _obey(self, packet: Packet, listening: list[Servo], now: int, byte_ns: int) -> list[Reply]:
+        """Let the servos that hear a packet do as it says; return what they answer."""
 
 
 def byte_time(baud: int) -> int:

@@ -14,7 +14,7 @@ from enum import IntEnum
 
 from fastcrc import crc16
 
-from sim_backend.device import InstructionParser, Packet, Reply, answers_in_slots, answers_in_turn, by_id, byte_time
+from sim_backend.device import InstructionParser, Packet, Reply, ServoDevice, answers_in_slots, answers_in_turn, by_id
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.dynamixel_table import ErrorNumber, StatusError
 
@@ -85,26 +85,20 @@ class DynamixelParser(InstructionParser):
         return buffer[4] not in _INVALID_IDS and buffer[5] | buffer[6] << 8 in _LENGTHS
 
 
-class DynamixelDevice:
-    """All servos of one bus; a `device.Device`."""
+class DynamixelDevice(ServoDevice[DynamixelServo]):
+    """All Dynamixel servos of one bus."""
 
     def __init__(self, servos: Sequence[DynamixelServo]) -> None:
-        self._servos = tuple(servos)
-        self._parser = DynamixelParser()
+        super().__init__(servos, DynamixelParser())
 
-    def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
-        """Take bytes, the last of which arrives at `now` ns; return what is answered, in order."""
-        byte_ns = byte_time(baud)
-        replies: list[Reply] = []
-        for packet in self._parser.feed(data, now, byte_ns):
-            listening = [servo for servo in self._servos if servo.listens(now, baud)]
-            if not packet.intact:
-                replies += _report_bad_crc(packet, listening)
-            elif packet.instruction != _STATUS:
-                for servo in listening:
-                    servo.hear(now)
-                replies += _answer(packet, listening, now, byte_ns)
-        return replies
+    def _obey(self, packet: Packet, listening: list[DynamixelServo], now: int, byte_ns: int) -> list[Reply]:
+        if not packet.intact:
+            return _report_bad_crc(packet, listening)
+        if packet.instruction == _STATUS:
+            return []
+        for servo in listening:
+            servo.hear(now)
+        return _answer(packet, listening, now, byte_ns)
 
 
 def _report_bad_crc(packet: Packet, listening: list[DynamixelServo]) -> list[Reply]:

@@ -15,7 +15,7 @@ import struct
 from collections.abc import Sequence
 from enum import IntEnum
 
-from sim_backend.device import InstructionParser, Packet, Reply, answers_in_slots, answers_in_turn, by_id, byte_time
+from sim_backend.device import InstructionParser, Packet, Reply, ServoDevice, answers_in_slots, answers_in_turn, by_id
 from sim_backend.sts_firmware import StsServo
 
 BROADCAST = 0xFE
@@ -65,21 +65,14 @@ class FeetechParser(InstructionParser):
         return self._buffer[2] != _INVALID_ID and self._buffer[3] >= _SHORTEST
 
 
-class FeetechDevice:
-    """All servos of one bus; a `device.Device`."""
+class FeetechDevice(ServoDevice[StsServo]):
+    """All STS servos of one bus."""
 
     def __init__(self, servos: Sequence[StsServo]) -> None:
-        self._servos = tuple(servos)
-        self._parser = FeetechParser()
+        super().__init__(servos, FeetechParser())
 
-    def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
-        """Take bytes, the last of which arrives at `now` ns; return what is answered, in order."""
-        byte_ns = byte_time(baud)
-        replies: list[Reply] = []
-        for packet in self._parser.feed(data, now, byte_ns):
-            listening = [servo for servo in self._servos if servo.listens(now, baud)]
-            replies += _answer(packet, listening, now, byte_ns)
-        return replies
+    def _obey(self, packet: Packet, listening: list[StsServo], now: int, byte_ns: int) -> list[Reply]:
+        return _answer(packet, listening, now, byte_ns)
 
 
 def _answer(packet: Packet, listening: list[StsServo], now: int, byte_ns: int) -> list[Reply]:
