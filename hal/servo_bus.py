@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 
 from hal.servo_line import ServoLine, Wired
 from robotwalk.errors import BusError
@@ -243,18 +243,18 @@ class SerialServoBus:
             now = self._clock.now()
             pending = [
                 line for line in pending if line.collect() and not line.complete and now < min(line.deadline, latest)]
-        return self._state(self._clock.now(), self._lines)
+        return self._state(self._clock.now())
 
-    def _state(self, now: int, lines: Iterable[ServoLine]) -> JointState:
+    def _state(self, now: int) -> JointState:
         heard = self._heard
-        for line in lines:
+        for line in self._lines:
             for slot, position, velocity, effort in line.samples():
                 self._position[slot] = position
                 self._velocity[slot] = velocity
                 self._effort[slot] = effort
                 heard[slot] = now
         age = tuple((now - then) / _NS for then in heard)
-        for line in lines:
+        for line in self._lines:
             oldest = max(age[servo.slot] for servo in line.servos)
             self._max_age[line.name] = max(self._max_age[line.name], oldest)
         return JointState(

@@ -118,6 +118,13 @@ def by_id(servos: Iterable[Servo]) -> dict[int, Servo]:
     return found
 
 
+def sync_write_blocks(blocks: bytes, length: int) -> dict[int, bytes]:
+    """Split what follows a sync write's range: by id, the `length` bytes for it. Empty if they do not fit."""
+    if len(blocks) % (length + 1):
+        return {}
+    return {blocks[at]: blocks[at + 1:at + 1 + length] for at in range(0, len(blocks), length + 1)}
+
+
 def answers_in_slots(answers: Mapping[int, Reply], byte_ns: int) -> list[Reply]:
     """Let every servo answer in the time slot of its id."""
     replies = []

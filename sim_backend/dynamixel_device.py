@@ -14,7 +14,16 @@ from enum import IntEnum
 
 from fastcrc import crc16
 
-from sim_backend.device import InstructionParser, Packet, Reply, ServoDevice, answers_in_slots, answers_in_turn, by_id
+from sim_backend.device import (
+    InstructionParser,
+    Packet,
+    Reply,
+    ServoDevice,
+    answers_in_slots,
+    answers_in_turn,
+    by_id,
+    sync_write_blocks,
+)
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.dynamixel_table import ErrorNumber, StatusError
 
@@ -233,10 +242,7 @@ def _sync_write(parameters: bytes, listening: list[DynamixelServo]) -> None:
     if len(parameters) <= _RANGE.size:
         return
     address, length = _RANGE.unpack_from(parameters)
-    starts = range(_RANGE.size, len(parameters), length + 1)
-    if (len(parameters) - _RANGE.size) % (length + 1):
-        return
-    blocks = {parameters[at]: parameters[at + 1:at + 1 + length] for at in starts}
+    blocks = sync_write_blocks(parameters[_RANGE.size:], length)
     for servo in listening:
         data = blocks.get(servo.id)
         if data is None and servo.secondary_id is not None:

@@ -15,7 +15,16 @@ import struct
 from collections.abc import Sequence
 from enum import IntEnum
 
-from sim_backend.device import InstructionParser, Packet, Reply, ServoDevice, answers_in_slots, answers_in_turn, by_id
+from sim_backend.device import (
+    InstructionParser,
+    Packet,
+    Reply,
+    ServoDevice,
+    answers_in_slots,
+    answers_in_turn,
+    by_id,
+    sync_write_blocks,
+)
 from sim_backend.sts_firmware import StsServo
 
 BROADCAST = 0xFE
@@ -155,10 +164,7 @@ def _sync_write(parameters: bytes, listening: list[StsServo]) -> None:
     if len(parameters) <= _RANGE.size:
         return
     address, length = _RANGE.unpack_from(parameters)
-    starts = range(_RANGE.size, len(parameters), length + 1)
-    if (len(parameters) - _RANGE.size) % (length + 1):
-        return
-    blocks = {parameters[at]: parameters[at + 1:at + 1 + length] for at in starts}
+    blocks = sync_write_blocks(parameters[_RANGE.size:], length)
     for servo in listening:
         if servo.id in blocks:
             servo.write(address, blocks[servo.id])

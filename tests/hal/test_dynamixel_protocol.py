@@ -175,10 +175,11 @@ class TestReceiver:
 
     @settings(deadline=None)
     @given(st.binary(max_size=300), cuts)
-    def test_noise_alone_is_survived(self, noise: bytes, where: list[int]) -> None:
+    def test_after_any_noise_the_next_status_is_found(self, noise: bytes, where: list[int]) -> None:
         receiver = Receiver()
         for piece in pieces(noise, where):
             receiver.feed(piece)
+        assert receiver.feed(POSITION_STATUS)[-1:] == [Status(1, 0, False, b"\xa6\x00\x00\x00")]
 
     @pytest.mark.parametrize("frame", [PING_STATUS, status_frame(5, 0x80, b"\xff\xff\xfd\x00\xff\xff\xfd")])
     def test_no_flipped_byte_yields_a_wrong_status(self, frame: bytes) -> None:

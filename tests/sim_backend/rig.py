@@ -64,3 +64,23 @@ class Hinge:
         torque = self._physics.step(self.data.qpos.copy(), self.data.qvel.copy(), now)
         self.data.qfrc_applied[0] = torque[0]
         mujoco.mj_step(self._mujoco, self.data)
+
+
+class Turning:
+    """What the rigs of either brand do with a `hinge`: let it move, and look at it."""
+
+    hinge: Hinge
+    now: int
+
+    @property
+    def angle(self) -> float:
+        return self.hinge.angle
+
+    @property
+    def speed(self) -> float:
+        return self.hinge.speed
+
+    def run(self, seconds: float) -> None:
+        for _ in range(round(seconds * 1000)):
+            self.now += MS
+            self.hinge.step(self.now)

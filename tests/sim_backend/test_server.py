@@ -121,9 +121,14 @@ def test_a_client_that_stays_keeps_its_settings_when_another_one_leaves(terminal
 
 
 def test_bytes_beyond_the_buffer_of_a_client_that_does_not_read_are_lost(terminal: PseudoTerminal) -> None:
-    with serial.Serial(terminal.path, 1_000_000):
+    with serial.Serial(terminal.path, 1_000_000, timeout=0.1) as client:
         for _ in range(100):
-            terminal.write(bytes(4096))
+            terminal.write(EVERY_BYTE * 16)
+        kept = client.read(100 * 4096)
+        assert 0 < len(kept) < 100 * 4096
+        assert kept[:256] == EVERY_BYTE, "the first bytes stay, the last are lost"
+        terminal.write(b"timely")
+        assert client.read(6) == b"timely"
 
 
 def test_a_reply_that_comes_after_its_client_has_gone_is_not_for_the_next_one(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from hal.register_map import Register, ServoModel
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.servo_physics import ServoPhysics
 
-from .rig import MS, Hinge, Registers
+from .rig import MS, Hinge, Registers, Turning
 
 CONFIG = Path(__file__).parents[2] / "configs" / "servos" / "xl430-w250.yaml"
 ROWS = yaml.safe_load(CONFIG.read_text())
@@ -56,25 +56,12 @@ class Bench(Registers):
         return [row[0] for row in rows], [row[1] for row in rows]
 
 
-class Rig(Bench):
+class Rig(Turning, Bench):
     """One servo whose shaft MuJoCo moves."""
 
     def __init__(self, model: ServoModel = MODEL, spring: float = 0.0, **factory_settings: int) -> None:
         super().__init__(model, **factory_settings)
         self.hinge = Hinge(self.physics, spring)
-
-    @property
-    def angle(self) -> float:
-        return self.hinge.angle
-
-    @property
-    def speed(self) -> float:
-        return self.hinge.speed
-
-    def run(self, seconds: float) -> None:
-        for _ in range(round(seconds * 1000)):
-            self.now += MS
-            self.hinge.step(self.now)
 
 
 def test_stall_torque_is_the_data_sheets() -> None:

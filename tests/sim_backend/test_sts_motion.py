@@ -11,7 +11,7 @@ from robotwalk.assembly import load_servo
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.sts_firmware import StsServo
 
-from .rig import MS, Hinge, Registers
+from .rig import MS, Hinge, Registers, Turning
 
 MODEL = load_servo("sts3215")
 TICK = 2.0 * math.pi / 4096  # rad
@@ -19,7 +19,7 @@ RPM = 60.0 / (2.0 * math.pi)
 LOOSE = {"unloading_condition": 0}  # no protection steps in
 
 
-class Rig(Registers):
+class Rig(Turning, Registers):
     """One servo whose shaft MuJoCo moves."""
 
     def __init__(self, model: ServoModel = MODEL, spring: float = 0.0, **factory_settings: int) -> None:
@@ -27,19 +27,6 @@ class Rig(Registers):
         self.servo = StsServo(self.physics, 0, **factory_settings)
         self.hinge = Hinge(self.physics, spring)
         self.now = 0
-
-    @property
-    def angle(self) -> float:
-        return self.hinge.angle
-
-    @property
-    def speed(self) -> float:
-        return self.hinge.speed
-
-    def run(self, seconds: float) -> None:
-        for _ in range(round(seconds * 1000)):
-            self.now += MS
-            self.hinge.step(self.now)
 
     def inner_goal(self, ms: int, shaft: float = 0.0) -> list[float]:
         """Return where the firmware heads in each millisecond, the shaft held (ticks), as a position count."""
