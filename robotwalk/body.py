@@ -13,7 +13,8 @@ def advanced(pose: Pose, twist: Twist, seconds: float) -> Pose:
     if abs(turn) < 1e-9:
         along, across = seconds, 0.5 * turn * seconds
     else:
-        along, across = math.sin(turn) / wz, (1.0 - math.cos(turn)) / wz
+        # By the half angle: 1 - cos(turn) would lose all its digits at a small turn.
+        along, across = math.sin(turn) / wz, 2.0 * math.sin(0.5 * turn) ** 2 / wz
     dx, dy = vx * along - vy * across, vx * across + vy * along
     c, s = math.cos(pose.yaw), math.sin(pose.yaw)
     return Pose(pose.x + c * dx - s * dy, pose.y + s * dx + c * dy, pose.z, pose.roll, pose.pitch, pose.yaw + turn)

@@ -4,7 +4,7 @@ import math
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robotwalk.body import Body, Ramp, advanced, composed, placed, seen_from
@@ -38,6 +38,7 @@ def test_an_arc_begins_where_the_body_faces() -> None:
 
 
 @given(poses, twists, st.floats(0.0, 3.0))
+@example(LEVEL, Twist(0.0, 0.5, 1.2e-7), 1.0)
 def test_many_short_steps_are_one_long_step(pose: Pose, twist: Twist, seconds: float) -> None:
     many = pose
     for _ in range(20):
