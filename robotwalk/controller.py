@@ -40,19 +40,20 @@ class Controller:
         self._gaits = gaits
         self._default_gait = default_gait
         self._solvers = tuple(solver_for(leg) for leg in model.legs)
-        self._shaper = VelocityShaper(model.motion)
         self._clock = GaitClock(gaits[default_gait])
-        self._body = Body(model.heights.sit)
-        self._stepping = Stepping(model, self._body.course)
-        self._sway = Sway(model)
-        self._steering = Steering()
-        self._pose = self._body.pose
         self._unfold: Unfold | None = None
         self._idle = True
         self._waiting = False  # lift-offs, and the needle, for the body's shift
+        self._sit_anew()
 
     def start(self, positions: Sequence[float]) -> None:
         """Take over a seated robot whose joints are at `positions` (rad); it will hold them until it stands."""
+        self._sit_anew()
+        seated, _ = self._angles(self._stepping.footfalls())
+        self._unfold = Unfold(positions, seated)
+
+    def _sit_anew(self) -> None:
+        """Begin at the origin, seated and at rest."""
         model = self._model
         self._shaper = VelocityShaper(model.motion)
         self._body = Body(model.heights.sit)
@@ -60,8 +61,6 @@ class Controller:
         self._sway = Sway(model)
         self._steering = Steering()
         self._pose = self._body.pose
-        seated, _ = self._angles(self._stepping.footfalls())
-        self._unfold = Unfold(positions, seated)
 
     def step(self, state: State, command: Command, estimate: Estimate, dt: float) -> Wanted:
         """Advance by `dt` s."""

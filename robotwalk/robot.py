@@ -28,6 +28,25 @@ class RobotState(NamedTuple):
     twist: Twist  # commanded to the legs, after scaling
 
 
+def check_duration(seconds: float) -> None:
+    """Raise UsageError if no walk can last so long."""
+    if not 0.0 <= seconds <= LONGEST_WALK:
+        raise UsageError(f"a walk lasts 0 to {LONGEST_WALK:.0f} s, not {seconds}")
+
+
+def check_command(command: Command, model: RobotModel, gaits: Sequence[str]) -> None:
+    """Raise UsageError if a command makes no sense for a robot of these `gaits`."""
+    numbers = [*command.twist, *command.posture, command.heading or 0.0, command.height or 0.0]
+    if not all(math.isfinite(number) for number in numbers):
+        raise UsageError(f"a command needs finite numbers, not {command}")
+    if command.gait is not None and command.gait not in gaits:
+        raise UsageError(f"{model.name} has no gait {command.gait!r}; it has {', '.join(gaits)}")
+    heights = model.heights
+    if command.height is not None and not heights.lowest <= command.height <= heights.highest:
+        raise UsageError(
+            f"height {command.height} m is outside {heights.lowest} to {heights.highest} m of {model.name}")
+
+
 class Robot:
     """A robot on its bus. Leaving the block, by any path, seats it and switches torque off.
 
@@ -85,6 +104,11 @@ class Robot:
         last = self._last
         return RobotState(self.loop.supervisor.state, last.joints, last.estimate.pose, last.wanted.twist)
 
+    @property
+    def torque_doubt(self) -> str | None:
+        """Where torque may still be on though it was switched off, in words; None if it is off everywhere."""
+        return next((event.text for event in self.events if event.kind == "torque"), None)
+
     def stand(self) -> None:
         """Arm if need be and stand up, or stop walking and stand.
 
@@ -122,8 +146,7 @@ class Robot:
             UsageError: a value makes no sense, or the robot does not stand.
             SafetyStop: the robot had to sit down.
         """
-        if not 0.0 <= seconds <= LONGEST_WALK:
-            raise UsageError(f"a walk lasts 0 to {LONGEST_WALK:.0f} s, not {seconds}")
+        check_duration(seconds)
         self.command(Command(Twist(vx, vy, wz), heading, height, posture, gait))
         if self.loop.supervisor.state is not State.WALK:
             self._request(Request.WALK)
@@ -138,15 +161,7 @@ class Robot:
         Raises:
             UsageError: a value makes no sense; the command before stays in force.
         """
-        numbers = [*command.twist, *command.posture, command.heading or 0.0, command.height or 0.0]
-        if not all(math.isfinite(number) for number in numbers):
-            raise UsageError(f"a command needs finite numbers, not {command}")
-        if command.gait is not None and command.gait not in self.gaits:
-            raise UsageError(f"{self.model.name} has no gait {command.gait!r}; it has {', '.join(self.gaits)}")
-        heights = self.model.heights
-        if command.height is not None and not heights.lowest <= command.height <= heights.highest:
-            raise UsageError(
-                f"height {command.height} m is outside {heights.lowest} to {heights.highest} m of {self.model.name}")
+        check_command(command, self.model, self.gaits)
         self.loop.command = command
 
     def sit(self) -> None:
@@ -281,6 +296,5 @@ class Robot:
             self._interrupts.check()
         self._disarm()
         self.note("safety_stop", reason)
-        doubt = next((event.text for event in self.events if event.kind == "torque"), None)
         raise SafetyStop(
-            f"the robot was brought down because {reason}; {doubt or 'torque is off'}")
+            f"the robot was brought down because {reason}; {self.torque_doubt or 'torque is off'}")

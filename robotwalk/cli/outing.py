@@ -9,13 +9,12 @@ from typing import Any, NamedTuple
 
 from robotwalk import assembly
 from robotwalk.controller import twist_of
-from robotwalk.errors import UsageError
 from robotwalk.journey import Journey, Summary
 from robotwalk.loop import Tick
-from robotwalk.robot import LONGEST_WALK
+from robotwalk.robot import check_command, check_duration
 from robotwalk.supervisor import State
 from robotwalk.timing import Histogram
-from robotwalk.types import BusStatistics, Pose
+from robotwalk.types import BusStatistics, Command, Pose
 from robotwalk.velocity import feasible
 
 _GRAVITY = 9.81  # m/s^2
@@ -42,14 +41,10 @@ def require_possible(plan: Plan, blueprint: assembly.Blueprint) -> None:
     Raises:
         UsageError: it makes no sense for this robot.
     """
-    if plan.gait is not None and plan.gait not in blueprint.gaits:
-        raise UsageError(f"{blueprint.model.name} has no gait {plan.gait!r}; it has {', '.join(blueprint.gaits)}")
-    heights = blueprint.model.heights
-    if plan.height is not None and not heights.lowest <= plan.height <= heights.highest:
-        raise UsageError(
-            f"height {plan.height} m is outside {heights.lowest} to {heights.highest} m of {blueprint.model.name}")
-    if not 0.0 <= plan.duration <= LONGEST_WALK:
-        raise UsageError(f"a walk lasts 0 to {LONGEST_WALK:.0f} s, not {plan.duration}")
+    twist = twist_of(plan.speed, plan.direction, plan.turn)
+    command = Command(twist, plan.heading, plan.height, gait=plan.gait)
+    check_command(command, blueprint.model, tuple(blueprint.gaits))
+    check_duration(plan.duration)
 
 
 class Outing:
@@ -70,7 +65,7 @@ class Outing:
         self._gait = session.blueprint.gaits[plan.gait or session.blueprint.default_gait]
         wanted = twist_of(plan.speed, plan.direction, plan.turn)
         self._twist, self._scale = feasible(wanted, self._robot.model.motion, self._gait)
-        self._start: Pose | None = None
+        self._measuring = False
         self._truth = self._odometry = Journey(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
         self._energy = 0.0
         self._ticks = self._walking_ticks = 0
@@ -111,7 +106,7 @@ class Outing:
         """Return what became of the robot, in words."""
         if self._robot.frozen:
             return "is frozen in place, torque is on"
-        doubt = next((event.text for event in self._robot.events if event.kind == "torque"), None)
+        doubt = self._robot.torque_doubt
         return f"sat down; {doubt}" if doubt else "sat down, torque is off"
 
     def save_film(self, path: Path, progress: Callable[[float], None]) -> None:
@@ -161,14 +156,14 @@ class Outing:
         }
 
     def _begin(self) -> None:
-        self._start = self._pose()
+        self._measuring = True
         nominal = self._plan.height or self._robot.model.heights.stand
-        self._truth = Journey(self._start, self._plan.direction, nominal)
+        self._truth = Journey(self._pose(), self._plan.direction, nominal)
         self._odometry = Journey(self._robot.state.odometry, self._plan.direction, nominal)
         self._energy = -self._energy_so_far()
 
     def _end(self) -> None:
-        self._start = None
+        self._measuring = False
         self._energy += self._energy_so_far()
 
     def _pose(self) -> Pose:
@@ -181,7 +176,7 @@ class Outing:
         """Follow one tick."""
         self._ticks += 1
         rate = self._robot.loop.rate_hz
-        if self._start is not None:
+        if self._measuring:
             self._walking_ticks += tick.state is State.WALK
             self._truth.add(self._pose())
             self._odometry.add(tick.estimate.pose)
