@@ -1,4 +1,4 @@
-"""Raw register values <-> bytes: little-endian; two's complement or sign and magnitude where signed."""
+"""Raw register values <-> bytes, in the register's byte order; two's complement or sign and magnitude where signed."""
 
 from collections.abc import Iterator, Sequence
 from struct import Struct
@@ -14,9 +14,9 @@ def pack(register: Register, value: int) -> bytes:
         sign = 1 << register.sign_bit
         if abs(value) >= sign:
             raise ValueError(f"{register.name}: {value} does not fit beside its sign in bit {register.sign_bit}")
-        return (-value | sign if value < 0 else value).to_bytes(register.size, "little")
+        return (-value | sign if value < 0 else value).to_bytes(register.size, register.byte_order)
     try:
-        return value.to_bytes(register.size, "little", signed=register.signed)
+        return value.to_bytes(register.size, register.byte_order, signed=register.signed)
     except OverflowError:
         kind = "signed" if register.signed else "unsigned"
         raise ValueError(f"{register.name}: {value} does not fit into {8 * register.size} bits, {kind}") from None
@@ -26,7 +26,7 @@ def unpack(register: Register, data: bytes) -> int:
     """Return the value (counts) that `data` holds. Raises ValueError if its length is not the register's."""
     if len(data) != register.size:
         raise ValueError(f"{register.name}: expected {register.size} bytes, got {len(data)}")
-    value = int.from_bytes(data, "little", signed=register.signed)
+    value = int.from_bytes(data, register.byte_order, signed=register.signed)
     return value if register.sign_bit is None else _from_magnitude(value, register.sign_bit)
 
 
@@ -34,7 +34,8 @@ class BlockDecoder:
     """Decodes a block that is read often, all its registers at once."""
 
     def __init__(self, block: Block) -> None:
-        self._struct = Struct("<" + "".join(_formats(block)))
+        order = "<" if block.registers[0].byte_order == "little" else ">"
+        self._struct = Struct(order + "".join(_formats(block)))
         self._magnitudes = [
             (index, register.sign_bit) for index, register in enumerate(block.registers)
             if register.sign_bit is not None]

@@ -6,23 +6,20 @@ It is kept apart from the skeleton, so that one skeleton can take other servos.
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from hal.register_map import ServoModel
+from hal.schema import Row
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class BusConfig(_Section):
+class BusConfig(Row):
     """One serial line."""
 
     port: str
     baud: Annotated[int, Field(gt=0)]
 
 
-class JointWiring(_Section):
+class JointWiring(Row):
     """The servo of one joint."""
 
     bus: str
@@ -32,7 +29,7 @@ class JointWiring(_Section):
     zero_deg: float  # the joint's angle where the servo reads its centre
 
 
-class HardwareConfig(_Section):
+class HardwareConfig(Row):
     """All of it."""
 
     buses: Annotated[dict[str, BusConfig], Field(min_length=1)]

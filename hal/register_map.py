@@ -9,9 +9,13 @@ import math
 from collections.abc import Iterator
 from enum import StrEnum
 from functools import cached_property
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
+
+from hal.firmware_switches import DynamixelFirmware as DynamixelFirmware
+from hal.firmware_switches import StsFirmware as StsFirmware
+from hal.schema import Row as Row
 
 _SI_UNITS = {
     "rpm": 2.0 * math.pi / 60.0, "rev/s": 2.0 * math.pi, "rev/min^2": 2.0 * math.pi / 3600.0,
@@ -19,10 +23,8 @@ _SI_UNITS = {
 }
 
 
-class Row(BaseModel):
-    """Base of everything read from a file: unknown keys, NaN and infinities are errors."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+ByteOrder = Literal["little", "big"]
+Protocol = Literal["dynamixel-2.0", "dynamixel-1.0", "feetech-sts", "feetech-scs"]
 
 
 class Access(StrEnum):
@@ -49,6 +51,7 @@ class Register(Row):
     memory: Memory
     signed: bool = False  # two's complement
     sign_bit: int | None = None  # the bit that holds the sign, where the rest is the magnitude
+    byte_order: ByteOrder = "little"  # the model's; not given row by row
     unit: str = ""  # of one count times `scale`
     scale: float = 1.0
     range: tuple[int, int] | None = None
@@ -101,6 +104,22 @@ class Encoder(Row):
         return -self.centre * degrees, (self.ticks_per_turn - 1 - self.centre) * degrees
 
 
+class Telemetry(Row):
+    """The registers that tell a servo's condition: read in turn, in the wire time that is left."""
+
+    torque: str  # 0 where the servo has let go: on its own, or in a restart that nobody noticed
+    error: str | None  # whose `flags` name what is wrong; None: the error byte of each answer is all there is
+    voltage: str
+    temperature: str
+    current: str | None = None  # None: not measured
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Those that there are."""
+        everything = (self.torque, self.error, self.voltage, self.temperature, self.current)
+        return tuple(name for name in everything if name is not None)
+
+
 class Cyclic(Row):
     """The registers of the exchange in every tick."""
 
@@ -111,6 +130,7 @@ class Cyclic(Row):
     position: str
     torque_cap: str  # the register that bounds the output, for a gentle start
     settings: dict[str, int]  # registers, and the counts that they must hold for all this to work
+    telemetry: Telemetry
 
 
 class OperatingPoint(Row):
@@ -166,49 +186,16 @@ class PositionLoop(Row):
     pwm_full_scale: Annotated[int, Field(gt=0)]  # counts of the PWM registers at 100 % duty
 
 
-class DynamixelFirmware(Row):
-    """What no manual of the X series states, and the fake servo must decide: switches, with their reasons."""
-
-    kind: Literal["dynamixel-x"]
-    version: Annotated[int, Field(ge=0, le=255)]
-    time_base_hz: Annotated[float, Field(gt=0)]  # of integral and derivative terms
-    derivative_gain: bool  # whether the position D gain acts
-    goal_follows_present: bool  # whether torque-on sets the goal to where the shaft is
-    later_ids_answer: bool  # whether a sync read goes on behind a silent servo
-    reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after a reboot
-    overload_duty: Annotated[float, Field(gt=0, le=1)]
-    overload_s: Annotated[float, Field(gt=0)]
-    temperature_c: float  # the fake has no heat model: every servo stays at this
-
-
-class StsFirmware(Row):
-    """The same for Feetech's STS series."""
-
-    kind: Literal["feetech-sts"]
-    largest_duty: Annotated[float, Field(gt=0, le=1)]
-    goal_slew_steps_s: Annotated[float, Field(gt=0)]  # how fast the inner goal may move
-    velocity_divisor: Annotated[float, Field(gt=0)]  # velocity P gain / this = duty per step/s
-    integral_s: Annotated[float, Field(gt=0)]  # an I gain acts as P does on the error summed over this time
-    derivative_s: Annotated[float, Field(ge=0)]  # a D gain acts as P does on the change within this time
-    derivative_gain: bool  # whether the position D gain acts
-    later_ids_answer: bool  # whether a sync read goes on behind a silent servo
-    reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after power-up
-    torque_at_power_up: bool
-    damping: bool  # whether torque enable 2 brakes the motor; otherwise it is as 0
-    reboot: bool  # whether instruction 0x08 restarts the servo; otherwise it is not known
-    overload_clears_on_new_goal: bool  # in the other direction; otherwise only torque off and on clears it
-    torque_flag_in_status: bool  # whether bit 0x10 of the error byte means "torque is on"
-    temperature_c: float
-
-
 class ServoModel(Row):
     """One file of `configs/servos`."""
 
     schema_version: Annotated[Literal[1], Field(alias="schema")]
     name: str
     description: str
-    protocol: Literal["dynamixel-2.0", "feetech-sts"]
+    protocol: Protocol
+    byte_order: ByteOrder = "little"
     model_number: int
+    sync_read: bool = True  # whether one instruction can read many of these servos
     fast_sync_read_firmware: int | None  # the first firmware that has it; None: none has
     baud_rates: Annotated[tuple[int, ...], Field(min_length=1)]  # by value of the baud_rate register
     encoder: Encoder
@@ -233,6 +220,15 @@ class ServoModel(Row):
     def __getitem__(self, name: str) -> Register:
         return self.by_name[name]
 
+    @model_validator(mode="before")
+    @classmethod
+    def _spread_byte_order(cls, data: Any) -> Any:
+        """Tell every register the model's byte order."""
+        if not isinstance(data, dict) or data.get("byte_order") != "big":
+            return data
+        rows = [{**row, "byte_order": "big"} if isinstance(row, dict) else row for row in data.get("registers", ())]
+        return {**data, "registers": rows}
+
     @model_validator(mode="after")
     def _check_rows(self) -> "ServoModel":
         problems = list(self._row_problems())
@@ -251,7 +247,7 @@ class ServoModel(Row):
         cyclic = self.cyclic
         needed = (
             cyclic.goal, cyclic.effort, cyclic.velocity, cyclic.position, cyclic.torque_cap,
-            self.position_loop.proportional, *cyclic.settings)
+            self.position_loop.proportional, *cyclic.settings, *cyclic.telemetry.names)
         for name in needed:
             if name not in self.by_name:
                 yield f"no register is named {name!r}"

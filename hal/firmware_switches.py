@@ -1,0 +1,42 @@
+"""What no manual of a servo states, and the fake servo must decide: switches, which each file sets with its reasons."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from hal.schema import Row
+
+
+class DynamixelFirmware(Row):
+    """Of the X series, and of the MX with its firmware 2.0."""
+
+    kind: Literal["dynamixel-x"]
+    version: Annotated[int, Field(ge=0, le=255)]
+    time_base_hz: Annotated[float, Field(gt=0)]  # of integral and derivative terms
+    derivative_gain: bool  # whether the position D gain acts
+    goal_follows_present: bool  # whether torque-on sets the goal to where the shaft is
+    later_ids_answer: bool  # whether a sync read goes on behind a silent servo
+    reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after a reboot
+    overload_duty: Annotated[float, Field(gt=0, le=1)]
+    overload_s: Annotated[float, Field(gt=0)]
+    temperature_c: float  # the fake has no heat model: every servo stays at this
+
+
+class StsFirmware(Row):
+    """Of Feetech's STS series."""
+
+    kind: Literal["feetech-sts"]
+    largest_duty: Annotated[float, Field(gt=0, le=1)]
+    goal_slew_steps_s: Annotated[float, Field(gt=0)]  # how fast the inner goal may move
+    velocity_divisor: Annotated[float, Field(gt=0)]  # velocity P gain / this = duty per step/s
+    integral_s: Annotated[float, Field(gt=0)]  # an I gain acts as P does on the error summed over this time
+    derivative_s: Annotated[float, Field(ge=0)]  # a D gain acts as P does on the change within this time
+    derivative_gain: bool  # whether the position D gain acts
+    later_ids_answer: bool  # whether a sync read goes on behind a silent servo
+    reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after power-up
+    torque_at_power_up: bool
+    damping: bool  # whether torque enable 2 brakes the motor; otherwise it is as 0
+    reboot: bool  # whether instruction 0x08 restarts the servo; otherwise it is not known
+    overload_clears_on_new_goal: bool  # in the other direction; otherwise only torque off and on clears it
+    torque_flag_in_status: bool  # whether bit 0x10 of the error byte means "torque is on"
+    temperature_c: float
