@@ -1,13 +1,17 @@
 """What hangs on the far end of a wire, whatever its protocol: bytes in, replies out.
 
-Not modelled: collisions. Of servos that share an id all obey, and the first one's answer is heard unharmed.
+Of servos that share an id all obey and all answer: `reply.collide` tells what is heard. Each servo's answer passes
+through `FakeServo.utter` before it goes onto the wire. Those that wait for their turn behind a servo wait for
+the end of its bytes, whatever they say.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import ClassVar, Generic, NamedTuple, Protocol, TypeVar
 
 from sim_backend.fake_servo import FakeServo
+from sim_backend.reply import Reply as Reply  # named twice: what devices return
+from sim_backend.reply import collide
 
 _GAP_NS = 1_500_000  # a longer pause inside a frame drops it (e-Manual, Protocol 2.0; assumed of other brands)
 _PING_SLOT_NS = 3_000_000  # per id, after a broadcast ping: what the hosts' libraries of either brand allow for
@@ -15,13 +19,6 @@ _BITS_PER_BYTE = 10  # 8N1
 _NS = 1_000_000_000
 
 Servo = TypeVar("Servo", bound=FakeServo)
-
-
-class Reply(NamedTuple):
-    """A burst of bytes from the bus."""
-
-    delay_ns: int  # after the end of the reply before it, or of the instruction
-    data: bytes
 
 
 class Device(Protocol):
@@ -110,11 +107,11 @@ def byte_time(baud: int) -> int:
     return _BITS_PER_BYTE * _NS // baud
 
 
-def by_id(servos: Iterable[Servo]) -> dict[int, Servo]:
-    """Return the servos by their ids; of several with one id, the first."""
-    found: dict[int, Servo] = {}
+def by_id(servos: Iterable[Servo]) -> dict[int, list[Servo]]:
+    """Return the servos by their ids; there should be one of each."""
+    found: dict[int, list[Servo]] = {}
     for servo in servos:
-        found.setdefault(servo.id, servo)
+        found.setdefault(servo.id, []).append(servo)
     return found
 
 
@@ -125,31 +122,44 @@ def sync_write_blocks(blocks: bytes, length: int) -> dict[int, bytes]:
     return {blocks[at]: blocks[at + 1:at + 1 + length] for at in range(0, len(blocks), length + 1)}
 
 
-def answers_in_slots(answers: Mapping[int, Reply], byte_ns: int) -> list[Reply]:
+def answers_in_slots(
+    servos: Iterable[Servo], answer: Callable[[Servo], bytes | None], byte_ns: int
+) -> list[Reply]:
     """Let every servo answer in the time slot of its id."""
     replies = []
     free_at = 0  # after the instruction's end, ns
-    for servo_id, (delay_ns, frame) in sorted(answers.items()):
-        starts = max(free_at, servo_id * _PING_SLOT_NS + delay_ns)
-        replies.append(Reply(starts - free_at, frame))
-        free_at = starts + len(frame) * byte_ns
+    for servo_id, sharing in sorted(by_id(servos).items()):
+        at = servo_id * _PING_SLOT_NS
+        for delay_ns, data in answers_at_once(sharing, answer, byte_ns):
+            starts = max(free_at, at + delay_ns)
+            replies.append(Reply(starts - free_at, data))
+            free_at = at = starts + len(data) * byte_ns
     return replies
 
 
 def answers_in_turn(
-    ids: Iterable[int], servos: Mapping[int, Servo], answer: Callable[[Servo], bytes | None]
+    ids: Iterable[int], listening: Iterable[Servo], answer: Callable[[Servo], bytes | None], byte_ns: int
 ) -> list[Reply]:
     """Let each servo listed answer behind the one before it, if that one does; a firmware may be more patient."""
+    servos = by_id(listening)
     replies: list[Reply] = []
     broken = False  # whether a listed servo stayed silent
     for servo_id in ids:
-        servo = servos.get(servo_id)
-        if servo is None:
-            broken = True
-        elif not broken or servo.later_ids_answer:
-            frame = answer(servo)
-            if frame is None:
-                broken = True
-            else:
-                replies.append(Reply(servo.return_delay_ns, frame))
+        sharing = [servo for servo in servos.get(servo_id, ()) if not broken or servo.later_ids_answer]
+        heard = answers_at_once(sharing, answer, byte_ns)
+        replies += heard
+        broken = broken or not heard
     return replies
+
+
+def answers_at_once(
+    sharing: Iterable[Servo], answer: Callable[[Servo], bytes | None], byte_ns: int
+) -> list[Reply]:
+    """Return what is heard of servos that share an id: of one alone, its answer."""
+    said = []
+    for servo in sharing:
+        frame = answer(servo)
+        reply = None if frame is None else servo.utter(Reply(servo.return_delay_ns, frame))
+        if reply is not None:
+            said.append(reply)
+    return collide(said, byte_ns)

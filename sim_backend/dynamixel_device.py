@@ -19,6 +19,7 @@ from sim_backend.device import (
     Packet,
     Reply,
     ServoDevice,
+    answers_at_once,
     answers_in_slots,
     answers_in_turn,
     by_id,
@@ -26,6 +27,7 @@ from sim_backend.device import (
 )
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.dynamixel_table import ErrorNumber, StatusError
+from sim_backend.reply import collide
 
 BROADCAST = 0xFE
 _HEADER = b"\xff\xff\xfd\x00"  # the reserved byte tells it from stuffed data
@@ -102,7 +104,7 @@ class DynamixelDevice(ServoDevice[DynamixelServo]):
 
     def _obey(self, packet: Packet, listening: list[DynamixelServo], now: int, byte_ns: int) -> list[Reply]:
         if not packet.intact:
-            return _report_bad_crc(packet, listening)
+            return _report_bad_crc(packet, listening, byte_ns)
         if packet.instruction == _STATUS:
             return []
         for servo in listening:
@@ -110,23 +112,24 @@ class DynamixelDevice(ServoDevice[DynamixelServo]):
         return _answer(packet, listening, now, byte_ns)
 
 
-def _report_bad_crc(packet: Packet, listening: list[DynamixelServo]) -> list[Reply]:
-    for servo in listening:
-        if servo.id == packet.id and servo.status_return_level == StatusReturnLevel.ALL:
-            return [Reply(servo.return_delay_ns, _status(servo.id, ErrorNumber.CRC | servo.alert))]
-    return []
+def _report_bad_crc(packet: Packet, listening: list[DynamixelServo], byte_ns: int) -> list[Reply]:
+    addressed = [
+        servo for servo in listening
+        if servo.id == packet.id and servo.status_return_level == StatusReturnLevel.ALL]
+    return answers_at_once(addressed, lambda servo: _status(servo.id, ErrorNumber.CRC | servo.alert), byte_ns)
 
 
 def _answer(packet: Packet, listening: list[DynamixelServo], now: int, byte_ns: int) -> list[Reply]:
     if packet.id != BROADCAST:
-        return _answer_one(packet, listening, now)
+        return collide(_answer_one(packet, listening, now), byte_ns)
     match packet.instruction:
         case Instruction.PING:
-            return _broadcast_ping(listening, byte_ns)
+            return answers_in_slots(
+                listening, lambda servo: _status(servo.id, servo.alert, servo.identify()), byte_ns)
         case Instruction.SYNC_READ:
-            return _sync_read(packet.parameters, listening, now)
+            return _sync_read(packet.parameters, listening, now, byte_ns)
         case Instruction.FAST_SYNC_READ:
-            return _fast_sync_read(packet.parameters, by_id(listening), now)
+            return _fast_sync_read(packet.parameters, by_id(listening), now, byte_ns)
         case Instruction.SYNC_WRITE:
             _sync_write(packet.parameters, listening)
         case Instruction.FACTORY_RESET if packet.parameters == _RESET_IDS_TOO:
@@ -138,7 +141,7 @@ def _answer(packet: Packet, listening: list[DynamixelServo], now: int, byte_ns: 
 
 
 def _answer_one(packet: Packet, listening: list[DynamixelServo], now: int) -> list[Reply]:
-    """Let the addressed servos obey. One that goes by its secondary id does so in silence."""
+    """Let the addressed servos obey; return the answer of each. One that goes by its secondary id gives none."""
     replies: list[Reply] = []
     for servo in listening:
         if packet.id not in (servo.id, servo.secondary_id):
@@ -147,8 +150,10 @@ def _answer_one(packet: Packet, listening: list[DynamixelServo], now: int) -> li
         primary, level = packet.id == servo.id, servo.status_return_level
         alert, delay = servo.alert, servo.return_delay_ns
         number, data = _execute(servo, packet.instruction, packet.parameters, now)
-        if primary and not replies and level >= _ANSWERED_FROM.get(packet.instruction, StatusReturnLevel.ALL):
-            replies.append(Reply(delay, _status(packet.id, number | alert, data)))
+        if not primary or level < _ANSWERED_FROM.get(packet.instruction, StatusReturnLevel.ALL):
+            continue
+        if reply := servo.utter(Reply(delay, _status(packet.id, number | alert, data))):
+            replies.append(reply)
     return replies
 
 
@@ -187,15 +192,7 @@ def _perform(servo: DynamixelServo, instruction: int, parameters: bytes, now: in
     return b""
 
 
-def _broadcast_ping(listening: list[DynamixelServo], byte_ns: int) -> list[Reply]:
-    answers = {
-        servo_id: Reply(servo.return_delay_ns, _status(servo_id, servo.alert, servo.identify()))
-        for servo_id, servo in by_id(listening).items()
-    }
-    return answers_in_slots(answers, byte_ns)
-
-
-def _sync_read(parameters: bytes, listening: list[DynamixelServo], now: int) -> list[Reply]:
+def _sync_read(parameters: bytes, listening: list[DynamixelServo], now: int, byte_ns: int) -> list[Reply]:
     if len(parameters) <= _RANGE.size:
         return []
     what, ids = parameters[:_RANGE.size], parameters[_RANGE.size:]
@@ -206,13 +203,16 @@ def _sync_read(parameters: bytes, listening: list[DynamixelServo], now: int) -> 
         number, data = _execute(servo, Instruction.READ, what, now)
         return _status(servo.id, number | servo.alert, data)
 
-    return answers_in_turn(ids, by_id(listening), answer)
+    return answers_in_turn(ids, listening, answer, byte_ns)
 
 
-def _fast_sync_read(parameters: bytes, servos: dict[int, DynamixelServo], now: int) -> list[Reply]:
+def _fast_sync_read(
+    parameters: bytes, servos: dict[int, list[DynamixelServo]], now: int, byte_ns: int
+) -> list[Reply]:
     """All servos build one frame together, without stuffing; it stops where one of them is silent.
 
-    ... 55 | error, id, data, crc | error, id, data, crc | ...   Each CRC covers all bytes before it.
+    ... 55 | error, id, data, crc | error, id, data, crc | ...   Each CRC covers all bytes before it, as they were
+    said: what a cable does to one block spoils no other's.
     """
     what, ids = parameters[:_RANGE.size], parameters[_RANGE.size:]
     if not ids:
@@ -221,20 +221,36 @@ def _fast_sync_read(parameters: bytes, servos: dict[int, DynamixelServo], now: i
     size = 1 + len(ids) * (length + 4)
     if size > _LARGEST_FRAME:
         return []
-    pieces = [_HEADER + struct.pack("<BHB", BROADCAST, size, _STATUS)]
-    crc = crc16.umts(pieces[0])
+    lead, delayed = _HEADER + struct.pack("<BHB", BROADCAST, size, _STATUS), True  # the first one's to say
+    crc = crc16.umts(lead)
+    heard: list[Reply] = []
     for servo_id in ids:
-        servo = servos.get(servo_id)
-        if servo is None or not servo.fast_sync_read or servo.status_return_level < StatusReturnLevel.READ:
+        said = []
+        for servo in servos.get(servo_id, ()):
+            if not servo.fast_sync_read or servo.status_return_level < StatusReturnLevel.READ:
+                continue
+            number, data = _execute(servo, Instruction.READ, what, now)
+            block = bytes((number | servo.alert, servo_id)) + data.ljust(length, b"\0")
+            block += crc16.umts(block, crc).to_bytes(2, "little")
+            reply = servo.utter(Reply(servo.return_delay_ns * delayed, lead + block))
+            if reply is not None:
+                said.append(reply)
+        if not said:
             break
-        number, data = _execute(servo, Instruction.READ, what, now)
-        block = bytes((number | servo.alert, servo_id)) + data.ljust(length, b"\0")
-        checksum = crc16.umts(block, crc).to_bytes(2, "little")
-        crc = crc16.umts(checksum, crc16.umts(block, crc))
-        pieces += block, checksum
-    if len(pieces) == 1:
-        return []
-    return [Reply(servos[ids[0]].return_delay_ns, b"".join(pieces))]
+        heard += collide(said, byte_ns)
+        crc, lead, delayed = crc16.umts(block, crc), b"", False
+    return _joined(heard)
+
+
+def _joined(replies: list[Reply]) -> list[Reply]:
+    """Return bursts that follow each other without a pause as one."""
+    joined: list[Reply] = []
+    for reply in replies:
+        if joined and not reply.delay_ns:
+            joined[-1] = joined[-1]._replace(data=joined[-1].data + reply.data)
+        else:
+            joined.append(reply)
+    return joined
 
 
 def _sync_write(parameters: bytes, listening: list[DynamixelServo]) -> None:

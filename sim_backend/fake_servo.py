@@ -2,13 +2,16 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from hal.register_map import Memory
 from sim_backend.control_table import ControlTable
+from sim_backend.reply import Reply
 from sim_backend.servo_physics import ServoPhysics
 
 _NS = 1_000_000_000
+
+Interference = Callable[[Reply], Reply | None]
 
 
 class FakeServo(ABC):
@@ -19,11 +22,13 @@ class FakeServo(ABC):
         id: what it answers to.
         return_delay_ns: from the end of an instruction to the answer.
         later_ids_answer: whether it answers a sync read behind a silent servo.
+        interference: what happens to its answers on their way to the wire, if anything; None drops one.
     """
 
     def __init__(self, physics: ServoPhysics, index: int, table: ControlTable) -> None:
         self.model = physics.models[index]
         self.later_ids_answer = self.model.firmware.later_ids_answer
+        self.interference: Interference | None = None
         self.table = table
         self._physics, self._index = physics, index
         self._delay_unit_ns = round(self.model["return_delay_time"].scale * 1e3)  # from us
@@ -65,6 +70,10 @@ class FakeServo(ABC):
     def listens(self, now: int, baud: int) -> bool:
         """Whether bytes at `baud` reach the firmware at `now` ns."""
         return baud == self._baud and self._is_awake(now)
+
+    def utter(self, reply: Reply) -> Reply | None:
+        """Return what of an answer goes onto the wire."""
+        return reply if self.interference is None else self.interference(reply)
 
     def reboot(self, now: int) -> None:
         """Start afresh, as at power-up: limp and deaf at once, back after a while."""

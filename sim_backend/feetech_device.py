@@ -22,9 +22,9 @@ from sim_backend.device import (
     ServoDevice,
     answers_in_slots,
     answers_in_turn,
-    by_id,
     sync_write_blocks,
 )
+from sim_backend.reply import collide
 from sim_backend.sts_firmware import StsServo
 
 BROADCAST = 0xFE
@@ -86,16 +86,12 @@ class FeetechDevice(ServoDevice[StsServo]):
 
 def _answer(packet: Packet, listening: list[StsServo], now: int, byte_ns: int) -> list[Reply]:
     if packet.id != BROADCAST:
-        return _answer_one(packet, listening, now)
+        return collide(_answer_one(packet, listening, now), byte_ns)
     match packet.instruction:
         case Instruction.PING:
-            answers = {
-                servo_id: Reply(servo.return_delay_ns, _status(servo_id, servo.error))
-                for servo_id, servo in by_id(listening).items()
-            }
-            return answers_in_slots(answers, byte_ns)
+            return answers_in_slots(listening, lambda servo: _status(servo.id, servo.error), byte_ns)
         case Instruction.SYNC_READ:
-            return _sync_read(packet.parameters, listening)
+            return _sync_read(packet.parameters, listening, byte_ns)
         case Instruction.SYNC_WRITE:
             _sync_write(packet.parameters, listening)
         case _:
@@ -105,7 +101,7 @@ def _answer(packet: Packet, listening: list[StsServo], now: int, byte_ns: int) -
 
 
 def _answer_one(packet: Packet, listening: list[StsServo], now: int) -> list[Reply]:
-    """Let the addressed servos obey."""
+    """Let the addressed servos obey; return the answer of each."""
     replies: list[Reply] = []
     for servo in listening:
         if servo.id != packet.id:
@@ -114,8 +110,8 @@ def _answer_one(packet: Packet, listening: list[StsServo], now: int) -> list[Rep
         answers = servo.answers_writes or packet.instruction in (Instruction.PING, Instruction.READ)
         delay, error = servo.return_delay_ns, servo.error
         data = _execute(servo, packet, now)
-        if answers and data is not None and not replies:
-            replies.append(Reply(delay, _status(packet.id, error, data)))
+        if answers and data is not None and (reply := servo.utter(Reply(delay, _status(packet.id, error, data)))):
+            replies.append(reply)
     return replies
 
 
@@ -149,14 +145,14 @@ def _read(servo: StsServo, what: bytes) -> bytes | None:
     return servo.read(address, length) if length <= _LARGEST_DATA else None
 
 
-def _sync_read(parameters: bytes, listening: list[StsServo]) -> list[Reply]:
+def _sync_read(parameters: bytes, listening: list[StsServo], byte_ns: int) -> list[Reply]:
     what, ids = parameters[:_RANGE.size], parameters[_RANGE.size:]
 
     def answer(servo: StsServo) -> bytes | None:
         data = _read(servo, what)
         return None if data is None else _status(servo.id, servo.error, data)
 
-    return answers_in_turn(ids, by_id(listening), answer)
+    return answers_in_turn(ids, listening, answer, byte_ns)
 
 
 def _sync_write(parameters: bytes, listening: list[StsServo]) -> None:

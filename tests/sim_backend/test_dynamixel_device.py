@@ -268,9 +268,11 @@ def test_a_new_id_counts_from_the_next_instruction_on() -> None:
     assert len(bus.ask(frame(5, b"\x01"))) == 1
 
 
-def test_of_two_servos_with_one_id_both_obey() -> None:
+def test_of_two_servos_with_one_id_both_obey_and_their_answers_collide() -> None:
     bus = Bus(1, 1)
-    assert bus.ask(WRITE) == [DONE]
+    [heard] = bus.ask(WRITE)
+    # Of every FF the third bit is the other's start bit.
+    assert heard[:3] == b"\xfb\xfb\xe9"
     assert [servo.table["goal_position"] for servo in bus.servos] == [512, 512]
 
 

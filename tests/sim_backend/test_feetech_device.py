@@ -280,12 +280,18 @@ def test_several_frames_in_one_piece() -> None:
     assert [answer[2] for answer in Bus(1, 2).ask(SYNC_WRITE + SYNC_READ + PING)] == [1, 2, 1]
 
 
-def test_of_two_servos_with_one_id_both_obey() -> None:
+def test_of_two_servos_with_one_id_both_obey_and_their_answers_collide() -> None:
     bus = Bus(1, 1)
-    assert bus.ask(WRITE) == [OK]
+    assert OK == bytes.fromhex("FF FF 01 02 00 FC")
+    assert bus.ask(WRITE) == [bytes.fromhex("FB FB 01 02 00 E0")], "with itself, three bits later"
     assert bus.table("goal_position") == [1000, 1000]
-    bus.place(2048, 5)
-    assert bus.ask(SYNC_READ) == [READ_STATUS]
+
+
+def test_two_servos_with_one_id_that_do_not_overlap_are_both_heard() -> None:
+    bus = Bus(1, 1)
+    bus.servos[1].write(7, b"\xfe")  # return delay time: 508 us
+    assert [reply.data for reply in bus.send(PING)] == [OK, OK]
+    assert [reply.delay_ns for reply in bus.send(PING)] == [0, 451_000], "508 us, 3 bits, less six bytes"
 
 
 def test_a_frame_too_short_for_an_instruction_is_none() -> None:
