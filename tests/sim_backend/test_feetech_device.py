@@ -282,7 +282,7 @@ def test_several_frames_in_one_piece() -> None:
 
 def test_of_two_servos_with_one_id_both_obey_and_their_answers_collide() -> None:
     bus = Bus(1, 1)
-    assert OK == bytes.fromhex("FF FF 01 02 00 FC")
+    assert bytes.fromhex("FF FF 01 02 00 FC") == OK
     assert bus.ask(WRITE) == [bytes.fromhex("FB FB 01 02 00 E0")], "with itself, three bits later"
     assert bus.table("goal_position") == [1000, 1000]
 
