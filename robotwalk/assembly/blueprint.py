@@ -21,6 +21,8 @@ from robotwalk.gait import Gait
 from robotwalk.model import RobotModel
 from robotwalk.types import DriveResponse
 
+_USUAL_GAITS = ("tripod", "tetrapod", "trot", "wave")  # of six, eight, four legs; of any number
+
 
 @dataclass(frozen=True)
 class Blueprint:
@@ -34,10 +36,8 @@ class Blueprint:
 
     @property
     def default_gait(self) -> str:
-        """Tripod with six legs or more, trot with four, wave otherwise; else the first that fits."""
-        legs = len(self.model.legs)
-        usual = "tripod" if legs >= 6 else "trot" if legs == 4 else "wave"
-        return usual if usual in self.gaits else next(iter(self.gaits))
+        """The first of tripod, tetrapod, trot and wave that is for its feet; else the first of all."""
+        return next((name for name in _USUAL_GAITS if name in self.gaits), next(iter(self.gaits)))
 
     @property
     def bauds(self) -> dict[str, int]:
@@ -91,14 +91,14 @@ def load_servo(name: str) -> ServoModel:
 
 
 def load_gaits(model: RobotModel) -> dict[str, Gait]:
-    """Read every bundled gait that is for this robot's feet."""
+    """Read every bundled gait that is for this robot's feet. Files for other feet may share its name."""
     gaits = {}
-    for name in library.names("gaits"):
-        document = library.open_document("gaits", name)
+    for file in library.names("gaits"):
+        document = library.open_document("gaits", file)
         config = document.validate(GaitConfig)
         checks.require_sound_gait(document, config)
         if set(config.swing) == {leg.name for leg in model.legs}:
-            gaits[name] = Gait(config, model)
+            gaits[config.name] = Gait(config, model)
     return gaits
 
 

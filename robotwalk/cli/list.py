@@ -42,10 +42,10 @@ def gaits(*, json: Json = False) -> None:
     """List the gaits, each with the bundled robots that it fits."""
     feet = {name: set(_robot(name).skeleton.legs) for name in library.names("robots")}
     rows = []
-    for name in library.names("gaits"):
-        gait = library.open_document("gaits", name).validate(GaitConfig)
+    for file in library.names("gaits"):
+        gait = library.open_document("gaits", file).validate(GaitConfig)
         fits = [robot for robot, legs in feet.items() if legs == set(gait.swing)]
-        rows.append({"name": name, "description": gait.description, "robots": fits})
+        rows.append({"name": gait.name, "description": gait.description, "robots": fits})
     _show("gaits", rows, json)
 
 

@@ -44,7 +44,7 @@ def walk(
     robot
         A bundled name (see `robotwalk list robots`), or the path of a YAML file.
     gait
-        A name from `robotwalk list gaits`. Default: tripod with six legs or more, trot with four, else wave.
+        A name from `robotwalk list gaits`. Default: the first that it has of tripod, tetrapod, trot and wave.
     speed
         Metres per second.
     direction

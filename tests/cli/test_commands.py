@@ -10,6 +10,8 @@ from robotwalk.config import library
 
 from .conftest import Run
 
+HEXAPODS = [name for name in library.names("robots") if name.startswith("hexapod")]
+
 
 def test_help_names_the_commands_and_the_exit_codes(robotwalk: Run) -> None:
     result = robotwalk("--help")
@@ -80,16 +82,23 @@ def test_a_negative_speed_walks_backwards(robotwalk: Run) -> None:
 @pytest.mark.parametrize("kind", ["robots", "servos", "gaits"])
 def test_list_names_everything_that_is_bundled(robotwalk: Run, kind: library.Kind) -> None:
     listed = robotwalk("list", kind, "--json").json
-    assert [row["name"] for row in listed[kind]] == library.names(kind)
+    names = [library.open_document(kind, file).value(("name",)) for file in library.names(kind)]
+    assert [row["name"] for row in listed[kind]] == names
     table = robotwalk("list", kind).out
-    assert all(name in table for name in library.names(kind))
+    assert all(name in table for name in names)
 
 
 def test_list_gaits_tells_which_robots_each_fits(robotwalk: Run) -> None:
-    rows = {row["name"]: row["robots"] for row in robotwalk("list", "gaits", "--json").json["gaits"]}
-    assert rows == {
-        "crawl": ["quadruped"], "trot": ["quadruped"],
-        "ripple": ["hexapod"], "tripod": ["hexapod"], "wave": ["hexapod"]}
+    rows = [(row["name"], row["robots"]) for row in robotwalk("list", "gaits", "--json").json["gaits"]]
+    assert rows == [
+        ("crawl", ["quadruped"]), ("ripple", HEXAPODS), ("tetrapod", ["octopod"]), ("tripod", HEXAPODS),
+        ("trot", ["quadruped"]), ("wave", HEXAPODS), ("wave", ["octopod"])]
+
+
+@pytest.mark.parametrize("robot", library.names("robots"))
+def test_check_passes_every_bundled_robot(robotwalk: Run, robot: str) -> None:
+    result = robotwalk("check", robot, "--json")
+    assert (result.code, result.json["problems"]) == (0, [])
 
 
 def test_check_passes_the_bundled_robot(robotwalk: Run) -> None:

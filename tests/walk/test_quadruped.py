@@ -9,17 +9,13 @@ import pytest
 
 from hal.register_map import ServoModel
 from robotwalk import assembly
-from robotwalk.cli.outing import Outing, Plan
 
-STILL_PLAN = Plan(speed=0.0, direction=0.0, heading=None, turn=0.0, height=None, duration=10.0, gait=None)
-TURN = math.radians(20)
+from . import rig
+from .rig import TURN
 
 
-def walk(robot: str | assembly.Blueprint = "quadruped", *, rate_hz: int = 100, seed: int = 0, **plan: Any) -> Any:
-    """Walk by a plan (SI, radians) and return the report."""
-    outing = Outing(assembly.simulate(robot, rate_hz=rate_hz, seed=seed), STILL_PLAN._replace(**plan))
-    outing.run(lambda text, share: None)
-    return outing.report()
+def walk(robot: str | assembly.Blueprint = "quadruped", **plan: Any) -> dict[str, Any]:
+    return rig.walk(robot, **plan)
 
 
 def varied(seed: int) -> assembly.Blueprint:
@@ -51,11 +47,7 @@ def changed(servo: ServoModel, friction: float, armature: float, gain: float) ->
 
 
 def assert_sound(report: dict[str, Any]) -> None:
-    """Nothing may go wrong on flat ground."""
-    assert not report["fell"]
-    assert report["max_tilt_deg"] < 10.0
-    assert report["bus"]["legs"]["lost_replies"] == 0
-    assert report["bus"]["legs"]["bad_frames"] == 0
+    rig.assert_sound(report, tilt_deg=10.0)
 
 
 def assert_straight(report: dict[str, Any], metres: float, tolerance: float) -> None:

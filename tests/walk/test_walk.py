@@ -1,31 +1,18 @@
 """The hexapod walks in MuJoCo through real servo bytes, judged by what its body really does."""
 
 import math
+from functools import partial
 from typing import Any
 
 import pytest
 
-from robotwalk import assembly
-from robotwalk.cli.outing import Outing, Plan
+from . import rig
 
-STILL_PLAN = Plan(speed=0.0, direction=0.0, heading=None, turn=0.0, height=None, duration=10.0, gait=None)
-
-
-def walk(*, rate_hz: int = 100, seed: int = 0, **plan: Any) -> dict[str, Any]:
-    """Walk the bundled hexapod by a plan (SI, radians) and return the report."""
-    outing = Outing(assembly.simulate("hexapod", rate_hz=rate_hz, seed=seed), STILL_PLAN._replace(**plan))
-    outing.run(lambda text, share: None)
-    return outing.report()
+walk = partial(rig.walk, "hexapod")
 
 
 def assert_sound(report: dict[str, Any]) -> None:
-    """Nothing may go wrong on flat ground."""
-    assert not report["fell"]
-    assert report["max_tilt_deg"] < 4.0
-    for bus in report["bus"].values():
-        assert bus["lost_replies"] == 0
-        assert bus["bad_frames"] == 0
-    assert report["timing"]["missed_deadlines"] == 0
+    rig.assert_sound(report, tilt_deg=4.0)
 
 
 @pytest.mark.parametrize(("degrees", "tolerance"), [(0, 0.10), (180, 0.10), (90, 0.12), (-45, 0.12)])
