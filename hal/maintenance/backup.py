@@ -96,10 +96,7 @@ def restore(servo: Servo, backup: Backup, *, with_id: bool) -> Restored:
     """
     if servo.model.model_number != backup.model_number:
         raise ServoError(f"{servo} is no {backup.model}, of which the backup is")
-    if servo.read("torque_enable"):
-        raise ServoError(
-            f"{servo} has its torque on: switch it off first, with `robotwalk servo torque-off {servo.id}`; "
-            "the joint goes limp")
+    servo.require_limp()
     rows = [row for row in _eeprom(servo.model) if row.access is Access.READ_WRITE and row.name in backup.registers]
     present = servo.read_all(rows)
     differing = [row.name for row in rows if present[row.name] != backup.registers[row.name]]

@@ -91,11 +91,15 @@ class Dialogue:
         return size * _BITS_PER_BYTE * _NS // self.port.baud
 
     def ping(self, servo_id: int, patience: int = _PATIENCE) -> Heard:
-        """Ping one servo. Whatever follows its answer is heard too, for it may be another's."""
-        heard = self.exchange(self.protocol.ping(servo_id), patience, until=(servo_id,))
+        """Ping one servo, and hear it out."""
+        return self.ask(self.protocol.ping(servo_id), servo_id, patience=patience)
+
+    def ask(self, frame: bytes, servo_id: int, size: int = 0, patience: int = _PATIENCE) -> Heard:
+        """Ask one servo, once. Whatever follows its answer is heard too, for it may be another's."""
+        heard = self.exchange(frame, patience, size, until=(servo_id,))
         if not heard.of(servo_id):
             return heard
-        more = self.listen(self.wire_ns(_FRAME) + _SECOND_ANSWER)
+        more = self.listen(self.wire_ns(_FRAME + size) + _SECOND_ANSWER)
         return Heard(heard.statuses + more.statuses, heard.garbled or more.garbled, heard.took)
 
     def read(self, servo_id: int, address: int, size: int) -> bytes:

@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from hal.maintenance.place import Place, is_vacant
 from hal.maintenance.servo import Servo
 from hal.maintenance.vendor_sdk import Keep, Outcome, VendorSdk
 from hal.register_map import Memory
@@ -20,16 +21,6 @@ class Reset(NamedTuple):
     id: int
     baud: int
     changed: int
-
-
-class _Place(NamedTuple):
-    """Where a servo is to be found."""
-
-    baud: int
-    id: int
-
-    def __str__(self) -> str:
-        return f"id {self.id} at {self.baud} baud"
 
 
 def factory_reset(servo: Servo, sdk: VendorSdk, keep: Keep) -> Reset:
@@ -54,12 +45,12 @@ def factory_reset(servo: Servo, sdk: VendorSdk, keep: Keep) -> Reset:
     return Reset(servo.id, servo.dialogue.port.baud, sum(before[name] != after[name] for name in before))
 
 
-def _places(servo: Servo, outcome: Outcome) -> Sequence[_Place]:
+def _places(servo: Servo, outcome: Outcome) -> Sequence[Place]:
     """Return where it may be afterwards."""
     model = servo.model
     ids = _possible(outcome.id, servo.id, model["id"].default or 0)
     bauds = _possible(outcome.baud, servo.dialogue.port.baud, model.baud_rates[model["baud_rate"].default or 0])
-    return list(itertools.starmap(_Place, itertools.product(bauds, ids)))
+    return list(itertools.starmap(Place, itertools.product(bauds, ids)))
 
 
 def _possible(kept: bool | None, now: int, factory: int) -> Sequence[int]:
@@ -68,20 +59,14 @@ def _possible(kept: bool | None, now: int, factory: int) -> Sequence[int]:
     return [now if kept else factory]
 
 
-def _require_vacant(servo: Servo, places: Sequence[_Place]) -> None:
+def _require_vacant(servo: Servo, places: Sequence[Place]) -> None:
     """Refuse if another servo is where this one may go."""
-    port = servo.dialogue.port
-    here = _Place(port.baud, servo.id)
-    try:
-        for place in places:
-            port.baud = place.baud
-            if place != here and not servo.dialogue.ping(place.id).silent:
-                raise ServoError(f"after the reset {servo} would be {place}, where another servo is: disconnect that")
-    finally:
-        port.baud = here.baud
+    for place in places:
+        if place != servo.place and not is_vacant(servo.dialogue, place):
+            raise ServoError(f"after the reset {servo} would be {place}, where another servo is: disconnect that")
 
 
-def _await(servo: Servo, places: Sequence[_Place]) -> None:
+def _await(servo: Servo, places: Sequence[Place]) -> None:
     """Wait until the servo answers, wherever."""
     dialogue = servo.dialogue
     deadline = dialogue.clock.now() + _STARTING

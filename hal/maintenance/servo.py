@@ -6,13 +6,16 @@ from typing import NamedTuple, Protocol
 
 from hal.encoding import pack, unpack
 from hal.maintenance import quantity
-from hal.maintenance.dialogue import Dialogue
+from hal.maintenance.dialogue import Dialogue, NoAnswerError
 from hal.maintenance.identity import Identity
+from hal.maintenance.place import Place, is_vacant, settle_at
 from hal.register_map import Block, Memory, Register, ServoModel
 from robotwalk.errors import BusError, ServoError
 
 _LARGEST_READ = 64  # bytes; well within what any servo sends at once
 _LOCK = "lock"  # the register, where there is one, that must be 0 for the EEPROM to keep what is written
+_ADDRESS = ("id", "baud_rate")  # where the servo is to be found from then on
+_LISTENINGS = 6  # for another servo with the same id
 
 
 class Change(NamedTuple):
@@ -65,6 +68,31 @@ class Servo:
     def __str__(self) -> str:
         return f"id {self.id} ({self.model.name})"
 
+    @property
+    def place(self) -> Place:
+        """Where it is to be found now."""
+        return Place(self.dialogue.port.baud, self.id)
+
+    def require_limp(self) -> None:
+        """Check that torque is off. Raises ServoError if it is on, BusError if nobody answers."""
+        if self.read("torque_enable"):
+            raise ServoError(
+                f"{self} has its torque on: switch it off first, with `robotwalk servo torque-off {self.id}`; "
+                "the joint goes limp")
+
+    def require_alone(self) -> None:
+        """Check that no other servo has this id, as far as that can be heard.
+
+        Two of a kind that say the same at the same instant sound like one; so it is asked what it measures, again
+        and again. Raises BusError if anything but one good answer comes.
+        """
+        block = self.model.feedback
+        question = self.dialogue.protocol.read(self.id, block.address, block.size)
+        for _ in range(_LISTENINGS):
+            heard = self.dialogue.ask(question, self.id, block.size)
+            if not heard.alone(self.id) and not heard.silent:
+                raise self.dialogue.nobody(self.id, heard)
+
     def read(self, name: str) -> int:
         """Return a register's counts.
 
@@ -100,7 +128,7 @@ class Servo:
         Raises:
             UsageError: the register does not take it.
             BusError: the servo does not answer.
-            ServoError: it refuses, does not keep the value, or another servo has the new id.
+            ServoError: it refuses, does not keep the value, or another servo is where it would go.
         """
         register = self.model[name]
         quantity.check(register, value)
@@ -110,8 +138,8 @@ class Servo:
         before = self.read(name)
         if before == value:
             return Change(register, before, before)
-        if name == "id" and not self.dialogue.ping(value).silent:
-            raise ServoError(f"id {value} is taken: another servo on this line answers to it")
+        if name in _ADDRESS:
+            return Change(register, before, self._move(register, value))
         with self._unlocked():
             self._put(register, value)
             after = self._read_back(name, value)
@@ -144,6 +172,32 @@ class Servo:
             self.id = value
         if register.name == "baud_rate":
             self.dialogue.port.baud = self.model.baud_rates[value]
+
+    def _move(self, register: Register, value: int) -> int:
+        """Change the id or the baud rate; return what is read back there. Whatever goes wrong, find the servo again."""
+        old = self.place
+        new = old._replace(id=value) if register.name == "id" else old._replace(baud=self.model.baud_rates[value])
+        if not is_vacant(self.dialogue, new):
+            where = f"id {new.id}" if new.baud == old.baud else str(new)
+            raise ServoError(f"{where} is taken: another servo on this line answers to it")
+        try:
+            with self._unlocked():
+                self._put(register, value)
+                return self._read_back(register.name, value)
+        except NoAnswerError:
+            return self._find_again(register, value, old, new)
+
+    def _find_again(self, register: Register, value: int, old: Place, new: Place) -> int:
+        """Look where the servo may be after a change that it did not confirm."""
+        found = settle_at(self.dialogue, new, old)
+        if found is None:
+            self.dialogue.port.baud, self.id = old
+            raise BusError(
+                f"{self} answers neither as {new} nor as {old} any more; `robotwalk servo scan` looks everywhere")
+        self.id = found.id
+        if _LOCK in self.model.by_name:
+            self._put(self.model[_LOCK], 1)
+        return self._read_back(register.name, value)
 
     def _read_back(self, name: str, value: int) -> int:
         after = self.read(name)

@@ -6,11 +6,14 @@ from pathlib import Path
 
 from hal.maintenance import backup as backup_file
 from hal.maintenance import quantity as quantity  # named twice: what `robotwalk servo` works with
+from hal.maintenance.address import set_baud as set_baud
+from hal.maintenance.address import set_id as set_id
 from hal.maintenance.backup import Backup as Backup
 from hal.maintenance.bench import Bench as Bench
 from hal.maintenance.identity import Identity as Identity
 from hal.maintenance.monitor import Sample as Sample
 from hal.maintenance.monitor import sample as sample
+from hal.maintenance.place import Place as Place
 from hal.maintenance.scan import Clash as Clash
 from hal.maintenance.scan import Finding as Finding
 from hal.maintenance.scan import Noise as Noise

@@ -163,6 +163,10 @@ def test_read_and_write_in_units(servo: Run) -> None:
     (["write", "1", "max_voltage_limit=99"], 2, "max_voltage_limit should be"),
     (["write", "1", "present_position=5"], 2, "present_position is read-only"),
     (["write", "1", "id=2"], 1, "id 2 is taken: another servo on this line answers to it"),
+    (["set-id", "1", "2"], 1, "id 2 is taken: another servo on this line answers to it"),
+    (["set-id", "1", "253"], 2, "an id is 0 to 252, not 253"),
+    (["set-id", "77", "78"], 4, "no servo answers as id 77 at 1000000 baud"),
+    (["set-baud", "1", "1234"], 2, "xl430-w250 does not have 1234 baud; it has 9600, 57600,"),
     (["restore", "1", "missing.yaml"], 3, "missing.yaml: cannot be read: No such file or directory"),
     (["backup", "1", "no/such/folder/b.yaml"], 2, "no/such/folder/b.yaml cannot be written"),
     (["factory-reset", "1"], 2, "save it with `robotwalk servo backup`, then say --yes"),
@@ -184,7 +188,8 @@ def test_all_values_are_checked_before_any_is_written(servo: Run) -> None:
 
 
 @pytest.mark.parametrize("words", [
-    ["write", "1", "led=1"], ["torque-off"], ["reboot", "1"], ["factory-reset", "1", "--yes"]])
+    ["write", "1", "led=1"], ["set-id", "1", "99"], ["set-baud", "1", "57600"], ["torque-off"], ["reboot", "1"],
+    ["factory-reset", "1", "--yes"]])
 def test_what_changes_a_physical_servo_needs_real(run: Run, words: list[str]) -> None:
     result = run("servo", *words, "--port", "socket://192.0.2.1:4000")
     assert result.code == 2
@@ -195,6 +200,29 @@ def test_a_port_that_is_not_there(run: Run) -> None:
     result = run("servo", "ping", "1", "--port", MISSING)
     assert result.code == 4
     assert f"cannot open {MISSING}: there is no such port; is the adapter plugged in?" in result.err
+
+
+def test_a_servo_moves_to_another_id_and_back_as_the_undo_says(servo: Run, buses: dict[str, str], brand: str) -> None:
+    assert servo("set-id", "10", "99").out == (
+        f"{MODEL[brand]}: id 99 at 1000000 baud, was id 10 at 1000000 baud; read back there\n"
+        f"to undo: robotwalk servo set-id 99 10 --port {buses[brand]}\n")
+    assert servo("ping", "10").code == 4
+    assert servo("set-id", "99", "10", "--json").json == {
+        "schema": 1, "baud": 1_000_000, "id": 10, "model": MODEL[brand], "before": {"baud": 1_000_000, "id": 99},
+        "changed": True, "undo": f"robotwalk servo set-id 10 99 --port {buses[brand]}"}
+    assert "it is id 10 at 1000000 baud already; nothing was written" in servo("set-id", "10", "10").out
+
+
+def test_a_servo_moves_to_another_baud_rate_and_back_as_the_undo_says(
+    servo: Run, buses: dict[str, str], brand: str
+) -> None:
+    result = servo("set-baud", "11", "57600")
+    assert result.out.splitlines()[1] == (
+        f"to undo: robotwalk servo set-baud 11 1000000 --port {buses[brand]} --baud 57600")
+    assert servo("ping", "11").code == 4
+    fields = servo("set-baud", "11", "1000000", "--baud", "57600", "--json").json
+    assert (fields["baud"], fields["before"]["baud"], fields["changed"]) == (1_000_000, 57_600, True)
+    assert servo("ping", "11").code == 0
 
 
 def test_torque_goes_off_where_told_and_everywhere(servo: Run, brand: str) -> None:

@@ -1,5 +1,6 @@
 """What all these commands are told: where the servos are, and how to answer."""
 
+import shlex
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
@@ -36,6 +37,11 @@ class Line:
     baud: Baud = BAUD
     protocol: Protocol = None
     real: Real = False
+
+    def words(self, baud: int) -> str:
+        """Return what to type for this line at a baud rate."""
+        parts = [f"--port {shlex.quote(self.port)}", f"--baud {baud}" * (baud != BAUD), "--real" * self.real]
+        return " ".join(filter(None, parts))
 
     def reading(self) -> AbstractContextManager[workbench.Bench]:
         """Open it, to look only."""
