@@ -22,21 +22,37 @@ class DynamixelFirmware(Row):
     temperature_c: float  # the fake has no heat model: every servo stays at this
 
 
-class StsFirmware(Row):
-    """Of Feetech's STS series."""
+class FeetechFirmware(Row):
+    """Of either of Feetech's series."""
 
-    kind: Literal["feetech-sts"]
     largest_duty: Annotated[float, Field(gt=0, le=1)]
     goal_slew_steps_s: Annotated[float, Field(gt=0)]  # how fast the inner goal may move
-    velocity_divisor: Annotated[float, Field(gt=0)]  # velocity P gain / this = duty per step/s
     integral_s: Annotated[float, Field(gt=0)]  # an I gain acts as P does on the error summed over this time
     derivative_s: Annotated[float, Field(ge=0)]  # a D gain acts as P does on the change within this time
     derivative_gain: bool  # whether the position D gain acts
     later_ids_answer: bool  # whether a sync read goes on behind a silent servo
+    broadcast_ping: bool  # whether a ping to everybody is answered
     reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after power-up
     torque_at_power_up: bool
-    damping: bool  # whether torque enable 2 brakes the motor; otherwise it is as 0
     reboot: bool  # whether instruction 0x08 restarts the servo; otherwise it is not known
+    recovery_keeps_id: bool  # whether the id survives instruction 0x06, which brings the factory's settings back
     overload_clears_on_new_goal: bool  # in the other direction; otherwise only torque off and on clears it
     torque_flag_in_status: bool  # whether bit 0x10 of the error byte means "torque is on"
     temperature_c: float
+
+
+class StsFirmware(FeetechFirmware):
+    """Of the STS and SMS series."""
+
+    kind: Literal["feetech-sts"]
+    velocity_divisor: Annotated[float, Field(gt=0)]  # velocity P gain / this = duty per step/s
+    damping: bool  # whether torque enable 2 brakes the motor; otherwise it is as 0
+    calibrate: bool  # whether instruction 0x0B makes here the centre, as torque enable 128 does; otherwise unknown
+
+
+class ScsFirmware(FeetechFirmware):
+    """Of the SCS series."""
+
+    kind: Literal["feetech-scs"]
+    pwm_goal: Literal["goal_time", "goal_velocity"]  # the register that drives the motor when both limits are 0
+    speed_0_stops: bool  # whether a goal velocity of 0 means not to move; otherwise as fast as it can

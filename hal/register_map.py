@@ -14,6 +14,8 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import Field, model_validator
 
 from hal.firmware_switches import DynamixelFirmware as DynamixelFirmware
+from hal.firmware_switches import FeetechFirmware as FeetechFirmware
+from hal.firmware_switches import ScsFirmware as ScsFirmware
 from hal.firmware_switches import StsFirmware as StsFirmware
 from hal.schema import Row as Row
 
@@ -25,6 +27,7 @@ _SI_UNITS = {
 
 ByteOrder = Literal["little", "big"]
 Protocol = Literal["dynamixel-2.0", "dynamixel-1.0", "feetech-sts", "feetech-scs"]
+_FRAMES = {"feetech-sts": "feetech", "feetech-scs": "feetech"}  # of the protocols that share them
 
 
 class Access(StrEnum):
@@ -203,13 +206,18 @@ class ServoModel(Row):
     specification: Specification
     motor: Motor
     position_loop: PositionLoop
-    firmware: Annotated[DynamixelFirmware | StsFirmware, Field(discriminator="kind")]
+    firmware: Annotated[DynamixelFirmware | StsFirmware | ScsFirmware, Field(discriminator="kind")]
     registers: tuple[Register, ...]
 
     @cached_property
     def by_name(self) -> dict[str, Register]:
         """The rows by their names."""
         return {register.name: register for register in self.registers}
+
+    @property
+    def frames(self) -> str:
+        """What is spoken on its wire: servos of one brand's frames may share it, whatever their registers."""
+        return _FRAMES.get(self.protocol, self.protocol)
 
     @cached_property
     def feedback(self) -> "Block":

@@ -14,9 +14,9 @@ _FIRMWARE: dict[str, Callable[..., FakeServo]] = {  # by the kind in a servo's f
     "dynamixel-x": DynamixelServo,
     "feetech-sts": StsServo,
 }
-_DEVICES: dict[str, Callable[..., Device]] = {  # by the protocol
+_DEVICES: dict[str, Callable[..., Device]] = {  # by what is spoken on the wire
     "dynamixel-2.0": DynamixelDevice,
-    "feetech-sts": FeetechDevice,
+    "feetech": FeetechDevice,
 }
 
 
@@ -29,9 +29,9 @@ def make_device(name: str, servos: Sequence[FakeServo]) -> Device:
     """Return the far end of the bus `name`.
 
     Raises:
-        ValueError: its servos do not share a protocol.
+        ValueError: its servos do not share their frames.
     """
-    protocols = sorted({servo.model.protocol for servo in servos})
-    if len(protocols) != 1:
-        raise ValueError(f"bus {name}: one wire carries one protocol, not {' and '.join(protocols) or 'none'}")
-    return _DEVICES[protocols[0]](servos)
+    frames = sorted({servo.model.frames for servo in servos})
+    if len(frames) != 1:
+        raise ValueError(f"bus {name}: one wire carries one protocol, not {' and '.join(frames) or 'none'}")
+    return _DEVICES[frames[0]](servos)

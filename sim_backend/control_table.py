@@ -13,20 +13,24 @@ class ControlTable:
     def __init__(self, model: ServoModel) -> None:
         self.data = bytearray(max(register.end for register in model.registers))
         self._registers = model.registers
-        self._places = {r.name: (r.address, r.end, r.signed, _sign(r)) for r in model.registers}
+        self._places = {r.name: (r.address, r.end, r.byte_order, r.signed, _sign(r)) for r in model.registers}
         self.restore_defaults(Memory.EEPROM)
         self.restore_defaults(Memory.RAM)
 
     def __getitem__(self, name: str) -> int:
-        address, end, signed, sign = self._places[name]
-        value = int.from_bytes(self.data[address:end], "little", signed=signed)
-        return sign - value if value & sign else value
+        return self.decode(name, self.data)
 
     def __setitem__(self, name: str, value: int) -> None:
-        address, end, signed, sign = self._places[name]
+        address, end, byte_order, signed, sign = self._places[name]
         if sign and value < 0:
             value = -value | sign
-        self.data[address:end] = value.to_bytes(end - address, "little", signed=signed)
+        self.data[address:end] = value.to_bytes(end - address, byte_order, signed=signed)
+
+    def decode(self, name: str, image: bytearray) -> int:
+        """Return what a register would hold if the table's bytes were those of `image`."""
+        address, end, byte_order, signed, sign = self._places[name]
+        value = int.from_bytes(image[address:end], byte_order, signed=signed)
+        return sign - value if value & sign else value
 
     def assign(self, register: Register, value: int) -> None:
         """Set a register as its user does, once the value is known to be allowed."""
@@ -53,7 +57,7 @@ class Window:
             raise ValueError(f"{model.name}: {', '.join(names)} do not lie side by side")
         letters = {1: "B", 2: "H", 4: "I"}
         layout = "".join(letters[row.size].lower() if row.signed else letters[row.size] for row in rows)
-        self._struct = struct.Struct(f"<{layout}")
+        self._struct = struct.Struct(("<" if rows[0].byte_order == "little" else ">") + layout)
         self._address = rows[0].address
         self._signs = [_sign(row) for row in rows]
         self._plain = not any(self._signs)

@@ -1,4 +1,4 @@
-"""The device side of Feetech's protocol for STS servos: all servos of one bus, seen from the wire.
+"""The device side of Feetech's protocol: all servos of one bus, STS and SCS, seen from the wire.
 
     FF FF | id | length | instruction | parameters | checksum
     FF FF | id | length | error | data | checksum               (status)
@@ -24,8 +24,8 @@ from sim_backend.device import (
     answers_in_turn,
     sync_write_blocks,
 )
+from sim_backend.feetech_firmware import FeetechServo
 from sim_backend.reply import collide
-from sim_backend.sts_firmware import StsServo
 
 BROADCAST = 0xFE
 _HEADER = b"\xff\xff"
@@ -47,6 +47,7 @@ class Instruction(IntEnum):
     RECOVERY = 0x06  # to the factory's settings
     REBOOT = 0x08
     RESET = 0x0A  # of the turns
+    CALIBRATE = 0x0B
     SYNC_READ = 0x82
     SYNC_WRITE = 0x83
 
@@ -74,22 +75,23 @@ class FeetechParser(InstructionParser):
         return self._buffer[2] != _INVALID_ID and self._buffer[3] >= _SHORTEST
 
 
-class FeetechDevice(ServoDevice[StsServo]):
-    """All STS servos of one bus."""
+class FeetechDevice(ServoDevice[FeetechServo]):
+    """All servos of one bus. Both series share the frames, so that they may share a wire."""
 
-    def __init__(self, servos: Sequence[StsServo]) -> None:
+    def __init__(self, servos: Sequence[FeetechServo]) -> None:
         super().__init__(servos, FeetechParser())
 
-    def _obey(self, packet: Packet, listening: list[StsServo], now: int, byte_ns: int) -> list[Reply]:
+    def _obey(self, packet: Packet, listening: list[FeetechServo], now: int, byte_ns: int) -> list[Reply]:
         return _answer(packet, listening, now, byte_ns)
 
 
-def _answer(packet: Packet, listening: list[StsServo], now: int, byte_ns: int) -> list[Reply]:
+def _answer(packet: Packet, listening: list[FeetechServo], now: int, byte_ns: int) -> list[Reply]:
     if packet.id != BROADCAST:
         return collide(_answer_one(packet, listening, now), byte_ns)
     match packet.instruction:
         case Instruction.PING:
-            return answers_in_slots(listening, lambda servo: _status(servo.id, servo.error), byte_ns)
+            able = [servo for servo in listening if servo.knows_broadcast_ping]
+            return answers_in_slots(able, lambda servo: _status(servo.id, servo.error), byte_ns)
         case Instruction.SYNC_READ:
             return _sync_read(packet.parameters, listening, byte_ns)
         case Instruction.SYNC_WRITE:
@@ -100,7 +102,7 @@ def _answer(packet: Packet, listening: list[StsServo], now: int, byte_ns: int) -
     return []
 
 
-def _answer_one(packet: Packet, listening: list[StsServo], now: int) -> list[Reply]:
+def _answer_one(packet: Packet, listening: list[FeetechServo], now: int) -> list[Reply]:
     """Let the addressed servos obey; return the answer of each."""
     replies: list[Reply] = []
     for servo in listening:
@@ -115,7 +117,7 @@ def _answer_one(packet: Packet, listening: list[StsServo], now: int) -> list[Rep
     return replies
 
 
-def _execute(servo: StsServo, packet: Packet, now: int) -> bytes | None:
+def _execute(servo: FeetechServo, packet: Packet, now: int) -> bytes | None:
     """Return the data of the answer; None if the servo does not understand."""
     parameters = packet.parameters
     match packet.instruction:
@@ -135,27 +137,31 @@ def _execute(servo: StsServo, packet: Packet, now: int) -> bytes | None:
             servo.reboot(now)
         case Instruction.RESET:
             servo.clear_turns()
+        case Instruction.CALIBRATE if servo.knows_calibrate:
+            servo.calibrate()
         case _:
             return None
     return b""
 
 
-def _read(servo: StsServo, what: bytes) -> bytes | None:
+def _read(servo: FeetechServo, what: bytes) -> bytes | None:
     address, length = _RANGE.unpack(what)
     return servo.read(address, length) if length <= _LARGEST_DATA else None
 
 
-def _sync_read(parameters: bytes, listening: list[StsServo], byte_ns: int) -> list[Reply]:
+def _sync_read(parameters: bytes, listening: list[FeetechServo], byte_ns: int) -> list[Reply]:
     what, ids = parameters[:_RANGE.size], parameters[_RANGE.size:]
 
-    def answer(servo: StsServo) -> bytes | None:
+    def answer(servo: FeetechServo) -> bytes | None:
+        if not servo.knows_sync_read:
+            return None
         data = _read(servo, what)
         return None if data is None else _status(servo.id, servo.error, data)
 
     return answers_in_turn(ids, listening, answer, byte_ns)
 
 
-def _sync_write(parameters: bytes, listening: list[StsServo]) -> None:
+def _sync_write(parameters: bytes, listening: list[FeetechServo]) -> None:
     """Write to every listed servo."""
     if len(parameters) <= _RANGE.size:
         return

@@ -19,7 +19,7 @@ def test_servos_of_two_brands_answer_each_in_its_protocol() -> None:
     assert dynamixel.receive(pings[1], 10**8, 1_000_000) == []
 
 
-@pytest.mark.parametrize(("count", "protocols"), [(2, "dynamixel-2.0 and feetech-sts"), (0, "none")])
+@pytest.mark.parametrize(("count", "protocols"), [(2, "dynamixel-2.0 and feetech"), (0, "none")])
 def test_a_wire_carries_one_protocol(count: int, protocols: str) -> None:
     physics = ServoPhysics([XL430, STS3215])
     servos = [make_servo(physics, index) for index in range(count)]

@@ -61,6 +61,7 @@ ACTION = bytes.fromhex("FF FF 01 02 05 F7")
 RECOVERY = bytes.fromhex("FF FF 01 02 06 F6")
 REBOOT = bytes.fromhex("FF FF 01 02 08 F4")
 RESET = bytes.fromhex("FF FF 01 02 0A F2")
+CALIBRATE = bytes.fromhex("FF FF 01 02 0B F1")
 SYNC_READ = bytes.fromhex("FF FF FE 06 82 38 02 01 02 3C")
 SYNC_WRITE = bytes.fromhex("FF FF FE 0A 83 2A 02 01 E8 03 02 D0 07 83")  # 1: 1000, 2: 2000
 
@@ -201,6 +202,31 @@ def test_reset_forgets_whole_turns() -> None:
     assert bus.ask(READ) == [frame(1, b"\x00\x00\x28")]
     assert bus.ask(RESET) == [OK]
     assert bus.ask(READ) == [READ_STATUS]
+
+
+@pytest.mark.parametrize(("keeps", "found"), [(True, 2), (False, 1)])
+def test_whether_recovery_keeps_the_id_is_a_switch(keeps: bool, found: int) -> None:
+    bus = Bus(2, firmware={"recovery_keeps_id": keeps}, position_p_gain=16)
+    assert bus.ask(frame(2, b"\x06")) == [frame(2, b"\x00")]
+    bus.now += 300 * MS
+    assert bus.ask(frame(found, b"\x02\x05\x01")) == [frame(found, bytes([0, found]))]
+    assert bus.table("position_p_gain") == [32]
+
+
+def test_calibration_is_known_only_with_its_switch() -> None:
+    bus = Bus(1)
+    bus.place(2148)
+    assert bus.ask(CALIBRATE) == []
+    assert bus.table("position_offset") == [0]
+    bus = Bus(1, firmware={"calibrate": True})
+    bus.place(2148)
+    assert bus.ask(CALIBRATE) == [OK]
+    assert bus.table("position_offset") == [100]
+    assert bus.ask(READ) == [READ_STATUS]
+
+
+def test_the_switch_for_broadcast_pings() -> None:
+    assert Bus(1, firmware={"broadcast_ping": False}).ask(frame(0xFE, b"\x01")) == []
 
 
 def test_reboot_is_known_only_with_its_switch() -> None:

@@ -1,4 +1,4 @@
-"""The control table of a Feetech STS servo: the rules of reading and writing it.
+"""The control table of a Feetech servo: the rules of reading and writing it.
 
 The protocol has no code for a write that is refused: its status says that a write came, not what came of it.
 What manuals leave open is decided here, in one place:
@@ -12,7 +12,7 @@ from hal.register_map import Access, Memory, Register, ServoModel
 from sim_backend.control_table import ControlTable
 
 
-class StsTable(ControlTable):
+class FeetechTable(ControlTable):
     """The bytes of one servo, as far as its user may reach them."""
 
     def __init__(self, model: ServoModel) -> None:
@@ -32,7 +32,7 @@ class StsTable(ControlTable):
         touched = dict.fromkeys(filter(None, map(self._by_byte.get, range(address, address + len(data)))))
         taken = set()
         for register in touched:
-            value = _decode(register, image)
+            value = self.decode(register.name, image)
             if _fits(register, value):
                 self.assign(register, value)
                 taken.add(register.name)
@@ -49,18 +49,13 @@ class StsTable(ControlTable):
         self.data[:] = self._stored
         self.restore_defaults(Memory.RAM)
 
-    def recover(self) -> None:
-        """Set all registers as the factory does, but for the id. Whether that survives is undocumented."""
+    def recover(self, *, keeping_id: bool) -> None:
+        """Set all registers as the factory does, but for the id if that is kept."""
         servo_id = self["id"]
         self.restore_defaults(Memory.EEPROM)
-        self["id"] = servo_id
+        if keeping_id:
+            self["id"] = servo_id
         self._stored[:] = self.data
-
-
-def _decode(register: Register, image: bytearray) -> int:
-    value = int.from_bytes(image[register.address:register.end], "little")
-    sign = 1 << register.sign_bit if register.sign_bit is not None else 0
-    return sign - value if value & sign else value
 
 
 def _fits(register: Register, value: int) -> bool:
