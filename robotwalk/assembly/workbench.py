@@ -2,7 +2,9 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
+from typing import NamedTuple
 
 from hal.maintenance import backup as backup_file
 from hal.maintenance import quantity as quantity  # named twice: what `robotwalk servo` works with
@@ -21,13 +23,66 @@ from hal.maintenance.scan import Progress as Progress
 from hal.maintenance.servo import Change as Change
 from hal.maintenance.servo import Servo as Servo
 from hal.maintenance.vendor_sdk import Keep as Keep
+from hal.maintenance.wiggle import Wiggled as Wiggled
+from hal.maintenance.wiggle import wiggle as wiggle
 from hal.register_map import Register as Register
 from hal.serial_transport import names_hardware, open_port
-from robotwalk.assembly.blueprint import load_servo
+from hal.servo_line import Wired as Wired
+from robotwalk.assembly.blueprint import Blueprint, load, load_servo
 from robotwalk.clock import WallClock
 from robotwalk.config import library
 from robotwalk.config.document import Document
-from robotwalk.errors import UsageError
+from robotwalk.errors import ServoError, UsageError
+
+
+class Seat(NamedTuple):
+    """A joint of a robot, and the line on which its servo is, or is to be."""
+
+    blueprint: Blueprint
+    wired: Wired
+    url: str
+
+    @property
+    def baud(self) -> int:
+        """The baud rate of its bus."""
+        return self.blueprint.bauds[self.bus]
+
+    @property
+    def bus(self) -> str:
+        """The name of its bus."""
+        return self.blueprint.hardware.joints[self.wired.joint].bus
+
+    def servo(self, bench: Bench) -> Servo:
+        """Return the servo that is there.
+
+        Raises:
+            BusError: nobody answers.
+            ServoError: it is of another model than the robot's file says.
+        """
+        servo = bench.servo(self.wired.id)
+        if servo.model.name != self.wired.model.name:
+            raise ServoError(
+                f"{servo} is in the place of {self.wired.joint}, which has an {self.wired.model.name} by the robot's "
+                "file")
+        return servo
+
+
+def seat(robot: str, joint: str, port: str | None) -> Seat:
+    """Return a joint of a robot, on the line that its file names or on another.
+
+    Raises:
+        UsageError: no such robot or joint.
+        ConfigError: a file is wrong.
+    """
+    blueprint = load(robot)
+    for bus, wires in blueprint.wiring.items():
+        for wired in wires:
+            if wired.joint == joint:
+                return Seat(blueprint, wired, port or blueprint.hardware.buses[bus].port)
+    names = blueprint.model.joint_names
+    near = get_close_matches(joint, names, n=1)
+    hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(names)}"
+    raise UsageError(f"{blueprint.model.name} has no joint {joint!r}; {hint}")
 
 
 @contextmanager

@@ -167,6 +167,12 @@ def test_read_and_write_in_units(servo: Run) -> None:
     (["set-id", "1", "253"], 2, "an id is 0 to 252, not 253"),
     (["set-id", "77", "78"], 4, "no servo answers as id 77 at 1000000 baud"),
     (["set-baud", "1", "1234"], 2, "xl430-w250 does not have 1234 baud; it has 9600, 57600,"),
+    (["wiggle", "1", "--by", "nan"], 2, "--by should be 1 to 15, not nan"),
+    (["wiggle", "1", "--torque", "0"], 2, "--torque should be 5 to 100, not 0"),
+    (["wiggle", "lf_coxa"], 2, "say which servo: an id and --port, or a joint's name and --robot"),
+    (["wiggle", "lf_cox", "--robot", "hexapod"], 2, "hexapod has no joint 'lf_cox'; did you mean 'lf_coxa'?"),
+    (["wiggle", "lf_hip", "--robot", "quadruped"], 4, "no servo answers as id 1 at 1000000 baud"),
+    (["wiggle", "77"], 4, "no servo answers as id 77 at 1000000 baud"),
     (["restore", "1", "missing.yaml"], 3, "missing.yaml: cannot be read: No such file or directory"),
     (["backup", "1", "no/such/folder/b.yaml"], 2, "no/such/folder/b.yaml cannot be written"),
     (["factory-reset", "1"], 2, "save it with `robotwalk servo backup`, then say --yes"),
@@ -188,7 +194,8 @@ def test_all_values_are_checked_before_any_is_written(servo: Run) -> None:
 
 
 @pytest.mark.parametrize("words", [
-    ["write", "1", "led=1"], ["set-id", "1", "99"], ["set-baud", "1", "57600"], ["torque-off"], ["reboot", "1"],
+    ["write", "1", "led=1"], ["set-id", "1", "99"], ["set-baud", "1", "57600"], ["wiggle", "1"], ["torque-off"],
+    ["reboot", "1"],
     ["factory-reset", "1", "--yes"]])
 def test_what_changes_a_physical_servo_needs_real(run: Run, words: list[str]) -> None:
     result = run("servo", *words, "--port", "socket://192.0.2.1:4000")
@@ -223,6 +230,24 @@ def test_a_servo_moves_to_another_baud_rate_and_back_as_the_undo_says(
     fields = servo("set-baud", "11", "1000000", "--baud", "57600", "--json").json
     assert (fields["baud"], fields["before"]["baud"], fields["changed"]) == (1_000_000, 57_600, True)
     assert servo("ping", "11").code == 0
+
+
+JOINT = {"dynamixel": ("hexapod", "rm_coxa", 13), "feetech": ("quadruped", "lf_hip", 1)}
+
+
+def test_wiggle_a_joint_by_its_name(servo: Run, brand: str) -> None:
+    robot, joint, servo_id = JOINT[brand]
+    fields = servo("wiggle", joint, "--robot", robot, "--json").json
+    assert (fields["joint"], fields["id"], fields["moved"], fields["torque"]) == (joint, servo_id, True, False)
+    assert [round(turn["asked_deg"]) for turn in fields["turns"]] == [4, -4]
+    assert servo("read", str(servo_id), "torque_enable").out == "torque_enable = 0\n"
+
+
+def test_wiggle_by_id_knows_no_direction(servo: Run, brand: str) -> None:
+    result = servo("wiggle", str(JOINT[brand][2]), "--by", "3")
+    assert result.code == 0
+    assert f"id {JOINT[brand][2]} ({MODEL[brand]}): turned +" in result.out
+    assert "plus is the way in which its counts grow" in result.out
 
 
 def test_torque_goes_off_where_told_and_everywhere(servo: Run, brand: str) -> None:

@@ -11,6 +11,7 @@ app.command("robotwalk.cli.servo.registers:write", help="Write registers by name
 app.command("robotwalk.cli.servo.watch:monitor", help="Show position, speed, load, voltage and heat, live.")
 app.command("robotwalk.cli.servo.address:set_id", help="Give a servo another id.")
 app.command("robotwalk.cli.servo.address:set_baud", help="Give a servo another baud rate, and follow it.")
+app.command("robotwalk.cli.servo.turn:wiggle", help="Turn a servo, or a robot's joint, a few degrees there and back.")
 app.command("robotwalk.cli.servo.act:torque_off", help="Let servos go.")
 app.command("robotwalk.cli.servo.act:reboot", help="Start a servo anew, and wait for it.")
 app.command("robotwalk.cli.servo.eeprom:backup", help="Save what a servo keeps without power to a file.")
