@@ -10,6 +10,7 @@ from hal.maintenance import backup as backup_file
 from hal.maintenance import quantity as quantity  # named twice: what `robotwalk servo` works with
 from hal.maintenance.address import set_baud as set_baud
 from hal.maintenance.address import set_id as set_id
+from hal.maintenance.adopt import Vacancy
 from hal.maintenance.backup import Backup as Backup
 from hal.maintenance.bench import Bench as Bench
 from hal.maintenance.identity import Identity as Identity
@@ -51,6 +52,13 @@ class Seat(NamedTuple):
     def bus(self) -> str:
         """The name of its bus."""
         return self.blueprint.hardware.joints[self.wired.joint].bus
+
+    @property
+    def vacancy(self) -> Vacancy:
+        """Its place, for a new servo."""
+        places = [Place(self.baud, wired.id) for wired in self.blueprint.wiring[self.bus]]
+        place = Place(self.baud, self.wired.id)
+        return Vacancy(self.wired.joint, place, self.wired.model, [other for other in places if other != place])
 
     def servo(self, bench: Bench) -> Servo:
         """Return the servo that is there.

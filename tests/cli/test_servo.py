@@ -173,6 +173,8 @@ def test_read_and_write_in_units(servo: Run) -> None:
     (["wiggle", "lf_cox", "--robot", "hexapod"], 2, "hexapod has no joint 'lf_cox'; did you mean 'lf_coxa'?"),
     (["wiggle", "lf_hip", "--robot", "quadruped"], 4, "no servo answers as id 1 at 1000000 baud"),
     (["wiggle", "77"], 4, "no servo answers as id 77 at 1000000 baud"),
+    (["adopt", "hexapod", "lf_cox"], 2, "hexapod has no joint 'lf_cox'; did you mean 'lf_coxa'?"),
+    (["adopt", "hexapod", "lf_coxa", "--backup", "missing.yaml"], 3, "missing.yaml: cannot be read"),
     (["restore", "1", "missing.yaml"], 3, "missing.yaml: cannot be read: No such file or directory"),
     (["backup", "1", "no/such/folder/b.yaml"], 2, "no/such/folder/b.yaml cannot be written"),
     (["factory-reset", "1"], 2, "save it with `robotwalk servo backup`, then say --yes"),
@@ -195,7 +197,7 @@ def test_all_values_are_checked_before_any_is_written(servo: Run) -> None:
 
 @pytest.mark.parametrize("words", [
     ["write", "1", "led=1"], ["set-id", "1", "99"], ["set-baud", "1", "57600"], ["wiggle", "1"], ["torque-off"],
-    ["reboot", "1"],
+    ["adopt", "hexapod", "lf_coxa"], ["reboot", "1"],
     ["factory-reset", "1", "--yes"]])
 def test_what_changes_a_physical_servo_needs_real(run: Run, words: list[str]) -> None:
     result = run("servo", *words, "--port", "socket://192.0.2.1:4000")
@@ -230,6 +232,23 @@ def test_a_servo_moves_to_another_baud_rate_and_back_as_the_undo_says(
     fields = servo("set-baud", "11", "1000000", "--baud", "57600", "--json").json
     assert (fields["baud"], fields["before"]["baud"], fields["changed"]) == (1_000_000, 57_600, True)
     assert servo("ping", "11").code == 0
+
+
+def test_a_servo_with_a_strange_id_is_adopted(servo: Run, buses: dict[str, str], brand: str) -> None:
+    robot, joint = {"dynamixel": ("hexapod", "rr_tibia"), "feetech": ("quadruped", "rr_calf")}[brand]
+    servo("set-id", str(COUNT[brand]), "99")
+    result = servo("adopt", robot, joint, "--baud", "1000000")
+    assert result.code == 0
+    assert result.out == (
+        f"id = {COUNT[brand]}, was 99\n"
+        f"{joint}: the {MODEL[brand]} that was id 99 at 1000000 baud is id {COUNT[brand]} at 1000000 baud; "
+        "all was read back\n"
+        f"its zero is not the old one's. Next: robotwalk calibrate {robot} --joint {joint}\n"
+        f"to undo, which makes it as it was when new: robotwalk servo factory-reset {COUNT[brand]} --yes "
+        f"--port {buses[brand]}\n")
+    again = servo("adopt", robot, joint, "--baud", "1000000", "--id", str(COUNT[brand]), "--json").json
+    assert (again["changes"], again["id"]) == ([], COUNT[brand])
+    assert servo("adopt", robot, joint, "--baud", "1000000").code == 4
 
 
 JOINT = {"dynamixel": ("hexapod", "rm_coxa", 13), "feetech": ("quadruped", "lf_hip", 1)}

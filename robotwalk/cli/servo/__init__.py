@@ -14,6 +14,7 @@ app.command("robotwalk.cli.servo.address:set_baud", help="Give a servo another b
 app.command("robotwalk.cli.servo.turn:wiggle", help="Turn a servo, or a robot's joint, a few degrees there and back.")
 app.command("robotwalk.cli.servo.act:torque_off", help="Let servos go.")
 app.command("robotwalk.cli.servo.act:reboot", help="Start a servo anew, and wait for it.")
+app.command("robotwalk.cli.servo.adopt:adopt", help="Put a new servo into the place of a robot's old one.")
 app.command("robotwalk.cli.servo.eeprom:backup", help="Save what a servo keeps without power to a file.")
 app.command("robotwalk.cli.servo.eeprom:restore", help="Write a backup to a servo of the same model.")
 app.command("robotwalk.cli.servo.eeprom:factory_reset", help="Set a servo back to what it was when new.")

@@ -18,7 +18,7 @@ def scan(
     baud
         Look at this baud rate only.
     """
-    search = _Search()
+    search = Search()
     with workbench.bench(port, baud=baud or BAUD, protocol=protocol, real=real, writes=False) as bench:
         try:
             search.run(bench, [baud] if baud else bench.bauds())
@@ -56,7 +56,7 @@ def identity_fields(identity: workbench.Identity) -> dict[str, Any]:
     return fields | {"model": identity.model.name if identity.model else None}
 
 
-class _Search:
+class Search:
     """What a scan has found so far."""
 
     def __init__(self) -> None:

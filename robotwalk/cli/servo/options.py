@@ -13,8 +13,8 @@ BAUD = 1_000_000
 _LARGEST_ID = 252
 
 
-def _check_id(kind: Any, servo_id: int) -> None:
-    if not 0 <= servo_id <= _LARGEST_ID:
+def _check_id(kind: Any, servo_id: int | None) -> None:
+    if servo_id is not None and not 0 <= servo_id <= _LARGEST_ID:
         raise ValueError(f"an id is 0 to {_LARGEST_ID}, not {servo_id}")
 
 
