@@ -17,7 +17,8 @@ from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate
 from robotwalk.ports import Clock, ServoBus
 from robotwalk.recorder import Row
-from robotwalk.supervisor import State, Supervisor
+from robotwalk.supervisor import Request, State, Supervisor
+from robotwalk.tape import Tape
 from robotwalk.timing import Histogram
 from robotwalk.types import STILL, Command, JointState
 
@@ -37,7 +38,10 @@ class Tick(NamedTuple):
 
 
 class Loop:
-    """Runs the cycle of one robot. The driver changes `command` between ticks, and shows by `beat` that it lives."""
+    """Runs the cycle of one robot. The driver changes `command` between ticks, and shows by `beat` that it lives.
+
+    Whatever a driver has it do goes onto its tape first, if it has one.
+    """
 
     def __init__(
         self,
@@ -51,6 +55,7 @@ class Loop:
         gate: Gate,
         supervisor: Supervisor,
         record: Callable[[Row], None] | None = None,
+        tape: Tape | None = None,
     ) -> None:
         self.rate_hz = rate_hz
         self._command = Command()
@@ -63,6 +68,7 @@ class Loop:
         self._odometry = odometry
         self._feedforward = feedforward
         self._record = record
+        self._taped: Callable[..., None] = tape.call if tape is not None else lambda name, argument=None: None
         self.period = _NS // rate_hz
         self._grid = Grid(rate_hz, after=clock.now())
         self._goals: tuple[float, ...] = ()
@@ -79,12 +85,37 @@ class Loop:
 
     @command.setter
     def command(self, command: Command) -> None:
+        self._taped("command", command)
         self._command = command
-        self.beat()
+        self._beaten_at = self._clock.now()
 
     def beat(self) -> None:
         """Show that whoever drives the robot is still there."""
+        self._taped("beat")
         self._beaten_at = self._clock.now()
+
+    def request(self, request: Request) -> None:
+        """Have the supervisor change the state.
+
+        Raises:
+            UsageError: the robot cannot do that from its present state.
+        """
+        self._taped("request", request.value)
+        self.supervisor.request(request)
+
+    def arm(self, torque: float = 1.0) -> JointState:
+        """Have the bus switch torque on, every joint where it is.
+
+        Raises:
+            BusError: see `ServoBus.arm`.
+        """
+        self._taped("arm", torque)
+        return self._bus.arm(self.period, torque)
+
+    def disarm(self) -> list[str]:
+        """Switch torque off; return the joints at which that could not be confirmed. Never raises."""
+        self._taped("disarm")
+        return self._bus.disarm()
 
     @property
     def missed(self) -> int:
@@ -96,7 +127,8 @@ class Loop:
         return self._digest.hexdigest()
 
     def begin(self, state: JointState) -> None:
-        """Take over joints that hold their places; the first tick is on the next grid point."""
+        """Take over joints that hold their places, as `arm` returned them; the first tick is on the next grid point."""
+        self._taped("begin")
         self._controller.start(state.position)
         self.gate.reset(state.position)
         self._feedforward.reset(state.position)
@@ -107,6 +139,7 @@ class Loop:
 
     def tick(self) -> Tick:
         """Wait for the deadline and turn the cycle once."""
+        self._taped("tick")
         clock, dt = self._clock, 1.0 / self.rate_hz
         deadline = self._grid.deadline
         clock.wait((), deadline)
@@ -130,6 +163,7 @@ class Loop:
 
     def freeze(self) -> None:
         """Hold every joint where it is, through the gate: measured if it answered, else where it was sent."""
+        self._taped("freeze")
         for _ in range(2):  # nobody acknowledges goals
             goals = [
                 position if valid else goal

@@ -1,12 +1,18 @@
-"""The log of a run: an MCAP file that PlotJuggler and Foxglove open.
+"""The log of a run: an MCAP file that PlotJuggler and Foxglove open, and `robotwalk.log` reads.
 
-The loop only puts a row into a queue, about a microsecond's work. A thread of its own turns rows into
-messages and writes them. Rows are never dropped; a slow disk costs memory, not time.
+The loop only puts a row into a queue, about a microsecond's work, and the tape's steps of a tick. A thread of
+its own turns them into messages and writes them. Nothing is dropped; a slow disk costs memory, not time.
+
+    /command ... /events      a message a tick, for people
+    /bus/NAME/tx, /bus/NAME/rx    the bytes, with their times
+    /tape                     the order of all steps; the bytes of `tx` and `rx` lie in the messages before it
+    attachments               the robot's files, as they were
 """
 
 import json
 import queue
 import threading
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,7 +20,12 @@ from mcap.writer import Writer
 
 from robotwalk.errors import UsageError
 from robotwalk.supervisor import State
+from robotwalk.tape import Call, Failed, Now, Received, Sent, Step, Tape, Wait
 from robotwalk.types import Command, JointState, Pose, Twist
+
+_CHUNK = 1 << 16  # bytes; what a crash may cost, some seconds of a walk
+_OBJECT = b'{"type": "object"}'
+_BYTES = b'{"type": "object", "properties": {"bytes": {"type": "string", "description": "hexadecimal"}}}'
 
 
 class Row(NamedTuple):
@@ -41,12 +52,19 @@ class Event(NamedTuple):
 
 
 class Recorder:
-    """Writes rows and events to an MCAP file until closed."""
+    """Writes rows, events and the tape to an MCAP file until closed.
 
-    _TOPICS = ("command", "joint_states", "joint_goals", "odom", "timing", "events")
+    Attributes:
+        tape: what is put onto it is recorded.
+    """
 
-    def __init__(self, path: Path, joints: tuple[str, ...], about: dict[str, str]) -> None:
-        """Open the file.
+    _TOPICS = ("command", "joint_states", "joint_goals", "odom", "timing", "events", "tape")
+
+    def __init__(
+        self, path: Path, joints: tuple[str, ...], about: dict[str, str], *,
+        buses: Sequence[str] = (), files: Mapping[str, str] | None = None,
+    ) -> None:
+        """Open the file; `files` are kept in it, by their names.
 
         Raises:
             UsageError: it cannot be written.
@@ -57,15 +75,16 @@ class Recorder:
             raise UsageError(f"cannot write the log {path}: {error.strerror}") from error
         self._failure: str | None = None
         self._joints = list(joints)
-        self._writer = Writer(self._file)
+        self._writer = Writer(self._file, chunk_size=_CHUNK)
         self._writer.start(library="robotwalk")
         self._writer.add_metadata("robotwalk", about)
-        schema = self._writer.register_schema("object", "jsonschema", b'{"type": "object"}')
-        self._channels = {
-            topic: self._writer.register_channel(topic=f"/{topic}", message_encoding="json", schema_id=schema)
-            for topic in self._TOPICS
-        }
-        self._queue: queue.SimpleQueue[Row | tuple[int, Event] | None] = queue.SimpleQueue()
+        for name, text in (files or {}).items():
+            self._writer.add_attachment(0, 0, name, "application/yaml", text.encode())
+        self._channels = self._register(_OBJECT, self._TOPICS)
+        self._channels |= self._register(_BYTES, [f"bus/{bus}/{way}" for bus in buses for way in ("tx", "rx")])
+        self._queue: queue.SimpleQueue[Row | tuple[int, Event] | list[Step] | None] = queue.SimpleQueue()
+        self._time = 0  # ns, of the last step
+        self.tape = Tape(self._queue.put)
         self._thread = threading.Thread(target=self._drain, name="robotwalk-recorder", daemon=True)
         self._thread.start()
 
@@ -79,6 +98,7 @@ class Recorder:
 
     def close(self) -> str | None:
         """Write out what is left and close the file; return what went wrong with it, if anything did."""
+        self.tape.cut()
         self._queue.put(None)
         self._thread.join()
         try:
@@ -88,6 +108,13 @@ class Recorder:
             self._failure = self._failure or f"the log is incomplete: {error.strerror}"
         return self._failure
 
+    def _register(self, schema: bytes, topics: Sequence[str]) -> dict[str, int]:
+        number = self._writer.register_schema("object", "jsonschema", schema)
+        return {
+            topic: self._writer.register_channel(topic=f"/{topic}", message_encoding="json", schema_id=number)
+            for topic in topics
+        }
+
     def _drain(self) -> None:
         while (item := self._queue.get()) is not None:
             if self._failure is not None:
@@ -95,21 +122,47 @@ class Recorder:
             try:
                 if isinstance(item, Row):
                     self._write_row(item)
+                elif isinstance(item, list):
+                    self._write_steps(item)
                 else:
                     self._write("events", item[0], item[1]._asdict())
             except Exception as error:  # a full disk is no reason to stop the robot, nor is anything else here
                 self._failure = f"the log is incomplete: {error}"
 
     def _write_row(self, row: Row) -> None:
-        command = row.command._asdict()
-        command |= {"twist": row.command.twist._asdict(), "posture": row.command.posture._asdict()}
-        self._write("command", row.time, {"state": row.state.value, **command, "twist_in_force": row.twist._asdict()})
+        command = {"state": row.state.value, **_command_fields(row.command), "twist_in_force": row.twist._asdict()}
+        self._write("command", row.time, command)
         self._write("joint_states", row.time, {"name": self._joints, **row.joints._asdict()})
         self._write("joint_goals", row.time, {"name": self._joints, "position": row.goals})
         self._write("odom", row.time, row.odometry._asdict())
         timing = {"wake_us": row.wake / 1e3, "bus_us": row.bus / 1e3, "tick_us": row.tick / 1e3}
         self._write("timing", row.time, timing)
 
+    def _write_steps(self, steps: Sequence[Step]) -> None:
+        """Write the bytes first, each with its time, then what says in which order all happened."""
+        written: list[list[Any]] = []
+        for step in steps:
+            match step:
+                case Sent(bus, time, data) | Received(bus, time, data):
+                    way = "tx" if isinstance(step, Sent) else "rx"
+                    written.append([way, bus, len(data)])
+                    if data:
+                        self._write(f"bus/{bus}/{way}", time, {"bytes": data.hex(" ")})
+                case Now(time):
+                    self._time = time
+                    written.append(["now", time])
+                case Wait(deadline):
+                    written.append(["wait", deadline])
+                case Failed(bus, reason):
+                    written.append(["failed", bus, reason])
+                case Call(name, argument):
+                    written.append(["do", name, _command_fields(argument) if name == "command" else argument])
+        self._write("tape", self._time, {"steps": written})
+
     def _write(self, topic: str, time: int, message: dict[str, Any]) -> None:
         data = json.dumps(message).encode()
         self._writer.add_message(self._channels[topic], log_time=time, publish_time=time, data=data)
+
+
+def _command_fields(command: Command) -> dict[str, Any]:
+    return command._asdict() | {"twist": command.twist._asdict(), "posture": command.posture._asdict()}

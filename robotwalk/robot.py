@@ -88,6 +88,8 @@ class Robot:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if kind is not None and issubclass(kind, (KeyboardInterrupt, SystemExit)):
+            self.note("interrupt", "interrupted" if kind is KeyboardInterrupt else "told to end")
         self.close()
         if kind is None:
             self._interrupts.check()  # what came too late to be heeded while the robot sat down
@@ -227,13 +229,13 @@ class Robot:
             self.sit()
 
     def _request(self, request: Request) -> None:
-        self.loop.supervisor.request(request)
+        self.loop.request(request)
         self.note("state", self.loop.supervisor.state.value)
 
     def _arm(self) -> None:
         self._request(Request.ARM)
         try:
-            state = self._bus.arm(self.loop.period, self._torque)
+            state = self.loop.arm(self._torque)
         except BaseException:
             self._request(Request.DISARM)
             raise
@@ -244,7 +246,7 @@ class Robot:
         """Switch torque off, if we have switched it on, and say so if that cannot be confirmed."""
         if self._armed:
             self._armed = False
-            doubtful = self._bus.disarm()
+            doubtful = self.loop.disarm()
             if doubtful:
                 self.note("torque", f"torque may still be on at {', '.join(doubtful)}: cut the power")
         if self.loop.supervisor.state is State.READY:

@@ -17,11 +17,36 @@ from robotwalk import checks
 from robotwalk.config import library
 from robotwalk.config.document import Document
 from robotwalk.config.schema import GaitConfig, RobotConfig
+from robotwalk.errors import ConfigError
 from robotwalk.gait import Gait
 from robotwalk.model import RobotModel
 from robotwalk.types import DriveResponse
 
 _USUAL_GAITS = ("tripod", "tetrapod", "trot", "wave")  # of six, eight, four legs; of any number
+
+
+class Files(NamedTuple):
+    """What a robot is read from: its own file, and servos and gaits by the names of theirs."""
+
+    robot: Document
+    servos: Mapping[str, Document]
+    gaits: Mapping[str, Document]
+
+    def texts(self) -> dict[str, str]:
+        """Return the text of each by its place: "robot.yaml", "servos/NAME.yaml"."""
+        return {
+            "robot.yaml": self.robot.text,
+            **{f"servos/{name}.yaml": document.text for name, document in self.servos.items()},
+            **{f"gaits/{name}.yaml": document.text for name, document in self.gaits.items()},
+        }
+
+    @classmethod
+    def parse(cls, texts: Mapping[str, str]) -> "Files":
+        """Return what `texts` returned the text of. Raises ConfigError if it is not all there, or no YAML."""
+        documents = {place: Document.parse(text, place) for place, text in texts.items()}
+        if "robot.yaml" not in documents:
+            raise ConfigError("robot.yaml: missing")
+        return cls(documents["robot.yaml"], _in_folder(documents, "servos"), _in_folder(documents, "gaits"))
 
 
 @dataclass(frozen=True)
@@ -33,6 +58,7 @@ class Blueprint:
     gaits: Mapping[str, Gait]
     hardware: HardwareConfig
     servos: Mapping[str, ServoModel]
+    files: Files  # without servos that it does not have
 
     @property
     def default_gait(self) -> str:
@@ -71,18 +97,29 @@ def load(robot: str) -> Blueprint:
         UsageError: no robot is bundled under that name.
         ConfigError: a file is wrong.
     """
-    document = library.open_document("robots", robot)
+    return build(Files(library.open_document("robots", robot), _bundled("servos"), _bundled("gaits")))
+
+
+def build(files: Files) -> Blueprint:
+    """Make a robot of its files, in which there may be servos and gaits that it does not need.
+
+    Raises:
+        ConfigError: a file is wrong.
+    """
+    document = files.robot
     config = document.validate(RobotConfig)
     checks.require_consistent(document, config)
     model = RobotModel.from_config(config)
     checks.require_reachable(document, model)
     hardware = document.validate(HardwareConfig, at=("hardware",))
-    servos = {name: load_servo(name) for name in library.names("servos")}
+    servos = {name: servo.validate(ServoModel) for name, servo in files.servos.items()}
     limits = {
         joint.name: (math.degrees(joint.lower), math.degrees(joint.upper)) for joint in model.joints}
     for path, what, got in problems(hardware, limits, servos):
         raise document.error(("hardware", *path), what, got)
-    return Blueprint(document, model, load_gaits(model), hardware, servos)
+    used = {joint.servo for joint in hardware.joints.values()}
+    needed = files._replace(servos={name: files.servos[name] for name in sorted(used)})
+    return Blueprint(document, model, load_gaits(files.gaits, model), hardware, servos, needed)
 
 
 def load_servo(name: str) -> ServoModel:
@@ -90,16 +127,26 @@ def load_servo(name: str) -> ServoModel:
     return library.open_document("servos", name).validate(ServoModel)
 
 
-def load_gaits(model: RobotModel) -> dict[str, Gait]:
-    """Read every bundled gait that is for this robot's feet. Files for other feet may share its name."""
+def _bundled(kind: library.Kind) -> dict[str, Document]:
+    return {name: library.open_document(kind, name) for name in library.names(kind)}
+
+
+def load_gaits(documents: Mapping[str, Document], model: RobotModel) -> dict[str, Gait]:
+    """Return every gait that is for this robot's feet. Files for other feet may share its name."""
     gaits = {}
-    for file in library.names("gaits"):
-        document = library.open_document("gaits", file)
+    for document in documents.values():
         config = document.validate(GaitConfig)
         checks.require_sound_gait(document, config)
         if set(config.swing) == {leg.name for leg in model.legs}:
             gaits[config.name] = Gait(config, model)
     return gaits
+
+
+def _in_folder(documents: Mapping[str, Document], folder: str) -> dict[str, Document]:
+    """Return the documents of a folder by their names in it."""
+    return {
+        place.removeprefix(f"{folder}/").removesuffix(".yaml"): document
+        for place, document in documents.items() if place.startswith(f"{folder}/")}
 
 
 class BusLoad(NamedTuple):

@@ -1,10 +1,12 @@
 """A robot on a bus: locomotion, the loop and the servos joined; over serial lines, in real time."""
 
 import gc
+import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import robotwalk
 from hal.protocols import protocol_of
 from hal.serial_transport import names_hardware, open_port
 from hal.servo_bus import SerialServoBus
@@ -17,10 +19,11 @@ from robotwalk.estimator import Odometry
 from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate, JointLimit
 from robotwalk.loop import Loop
-from robotwalk.ports import BytePort, Clock
+from robotwalk.ports import BytePort, Clock, ServoBus
 from robotwalk.recorder import Recorder
 from robotwalk.robot import Robot
 from robotwalk.supervisor import Supervisor
+from robotwalk.tape import TapedClock, TapedPort
 
 RATE_HZ = 100
 _STALE_AFTER = 0.5  # s without an answer from a joint before the robot sits down
@@ -64,15 +67,15 @@ def connect(
     try:
         for name, url in urls.items():
             opened[name] = open_port(url, blueprint.hardware.buses[name].baud)
-        recorder = open_log(log, blueprint, {"rate_hz": str(rate_hz), **urls})
+        recorder = open_log(log, blueprint, rate_hz, urls)
     except BaseException:
         for port in opened.values():
             port.close()
         raise
     gc.freeze()  # what is loaded by now stays; no collection need look at it again
     clock = WallClock()
-    bus = bus_of(blueprint, clock, opened)
-    return Session(blueprint, robot_of(blueprint, clock, bus, rate_hz, recorder, torque), bus, clock)
+    robot_there, bus = robot_of(blueprint, clock, opened, rate_hz, recorder, torque)
+    return Session(blueprint, robot_there, bus, clock)
 
 
 def _urls(blueprint: Blueprint, ports: Mapping[str, str], real: bool) -> dict[str, str]:
@@ -94,11 +97,15 @@ def check_rate(rate_hz: int) -> None:
         raise UsageError(f"the rate should be 10 to 1000 Hz, not {rate_hz}")
 
 
-def open_log(log: Path | None, blueprint: Blueprint, about: dict[str, str]) -> Recorder | None:
+def open_log(log: Path | None, blueprint: Blueprint, rate_hz: int, about: dict[str, str]) -> Recorder | None:
     """Return what records a run to the file `log`, if one is wanted; `about` goes into its head."""
     if log is None:
         return None
-    return Recorder(log, blueprint.model.joint_names, {"robot": blueprint.model.name, **about})
+    head = {
+        "robot": blueprint.model.name, "robotwalk": robotwalk.__version__, "python": platform.python_version(),
+        "rate_hz": str(rate_hz), **about}
+    return Recorder(
+        log, blueprint.model.joint_names, head, buses=tuple(blueprint.hardware.buses), files=blueprint.files.texts())
 
 
 def bus_of(blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort]) -> SerialServoBus:
@@ -111,17 +118,29 @@ def bus_of(blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort]) ->
 
 
 def robot_of(
-    blueprint: Blueprint, clock: Clock, bus: SerialServoBus, rate_hz: int, recorder: Recorder | None,
+    blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort], rate_hz: int, recorder: Recorder | None,
     torque: float = 1.0,
-) -> Robot:
-    """Join the stages into a loop around a bus; `torque` is the share that the servos may use."""
+) -> tuple[Robot, SerialServoBus]:
+    """Join everything around a robot's opened lines; `torque` is the share that the servos may use."""
+    if recorder is not None:
+        ports = {name: TapedPort(name, port, clock, recorder.tape) for name, port in ports.items()}
+        clock = TapedClock(clock, recorder.tape)
+    bus = bus_of(blueprint, clock, ports)
+    loop = loop_of(blueprint, clock, bus, rate_hz, recorder)
+    return Robot(blueprint.model, tuple(blueprint.gaits), loop, bus, recorder=recorder, torque=torque), bus
+
+
+def loop_of(
+    blueprint: Blueprint, clock: Clock, bus: ServoBus, rate_hz: int, recorder: Recorder | None = None
+) -> Loop:
+    """Join the stages into a loop around a bus."""
     model = blueprint.model
     limits = [
         JointLimit(
             joint.lower, joint.upper, _GOAL_LEAD * drive.max_speed, _GOAL_LEAD * drive.max_speed / _FULL_SPEED_WITHIN)
         for joint, drive in zip(model.joints, blueprint.drives, strict=True)
     ]
-    loop = Loop(
+    return Loop(
         rate_hz=rate_hz,
         clock=clock,
         bus=bus,
@@ -131,5 +150,5 @@ def robot_of(
         gate=Gate(model.joint_names, limits),
         supervisor=Supervisor(_STALE_AFTER),
         record=recorder.put if recorder else None,
+        tape=recorder.tape if recorder else None,
     )
-    return Robot(model, tuple(blueprint.gaits), loop, bus, recorder=recorder, torque=torque)

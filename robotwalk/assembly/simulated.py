@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from robotwalk.assembly.blueprint import Blueprint, load
-from robotwalk.assembly.session import RATE_HZ, Session, bus_of, check_rate, open_log, robot_of
+from robotwalk.assembly.session import RATE_HZ, Session, check_rate, open_log, robot_of
 from robotwalk.errors import UsageError
 from robotwalk.kinematics import resting_angles
 from sim_backend.adapter import AdapterName
@@ -37,9 +37,9 @@ def simulate(robot: str | Blueprint, *, rate_hz: int = RATE_HZ, seed: int = 0, l
     if seed < 0:
         raise UsageError(f"a seed is a whole number from 0 on, not {seed}")
     world = simulated_robot(blueprint, rate_hz, seed)
-    recorder = open_log(log, blueprint, {"rate_hz": str(rate_hz), "seed": str(seed)})
-    bus = bus_of(blueprint, world.clock, world.ports)
-    return Simulation(blueprint, robot_of(blueprint, world.clock, bus, rate_hz, recorder), bus, world.clock, world)
+    recorder = open_log(log, blueprint, rate_hz, {"seed": str(seed)})
+    walker, bus = robot_of(blueprint, world.clock, world.ports, rate_hz, recorder)
+    return Simulation(blueprint, walker, bus, world.clock, world)
 
 
 def simulated_robot(

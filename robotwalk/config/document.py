@@ -51,10 +51,16 @@ class _Problem(NamedTuple):
 
 
 class Document:
-    """What a YAML file holds, and where."""
+    """What a YAML file holds, and where.
 
-    def __init__(self, name: str, root: yaml.Node | None, content: Any) -> None:
+    Attributes:
+        name: what complaints call it.
+        text: all of it.
+    """
+
+    def __init__(self, name: str, text: str, root: yaml.Node | None, content: Any) -> None:
         self.name = name
+        self.text = text
         self._root = root
         self._content = content
 
@@ -91,7 +97,7 @@ class Document:
             flaws = [_Problem(1, 1, (), "nested too deeply")]
         if flaws:
             raise _config_error(name, flaws)
-        return cls(name, root, content)
+        return cls(name, text, root, content)
 
     def value(self, path: KeyPath) -> Any:
         """Return what is at `path`. Raises ConfigError if nothing is."""

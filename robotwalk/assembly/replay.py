@@ -1,0 +1,54 @@
+"""A recorded run again: the robot of the log, its loop and its bus, on the time and the bytes of then."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+from robotwalk.assembly.blueprint import Files, build
+from robotwalk.assembly.session import bus_of, loop_of
+from robotwalk.errors import UsageError
+from robotwalk.log import Log
+from robotwalk.loop import Loop
+from robotwalk.playback import Difference, Playback
+
+
+class Replay(NamedTuple):
+    """What came of it."""
+
+    robot: str
+    ticks: int
+    sent_bytes: int
+    received_bytes: int
+    difference: Difference | None
+    damage: str | None  # how the log ends, if other than it should
+
+
+def replay(path: Path) -> Replay:
+    """Run the loop of a log again, up to the first difference.
+
+    Raises:
+        UsageError: it is no log, or of another version.
+        ConfigError: this version does not take the files that are in it.
+    """
+    with Log(path) as log:
+        blueprint = build(Files.parse(log.files))
+        rate_hz = _rate(log, path)
+        playback = Playback(log.steps())
+
+        def make() -> Loop:
+            clock = playback.clock()
+            ports = {name: playback.port(name) for name in blueprint.hardware.buses}
+            return loop_of(blueprint, clock, bus_of(blueprint, clock, ports), rate_hz)
+
+        playback.run(make)
+        difference = playback.difference
+        if difference is not None and difference.recorded is None and log.damage is not None:
+            difference = None  # the log is at its end, not the run
+        return Replay(
+            blueprint.model.name, playback.ticks, playback.sent_bytes, playback.received_bytes, difference, log.damage)
+
+
+def _rate(log: Log, path: Path) -> int:
+    try:
+        return int(log.about["rate_hz"])
+    except (KeyError, ValueError):
+        raise UsageError(f"{path} does not tell its rate") from None
