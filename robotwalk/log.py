@@ -13,9 +13,10 @@ from mcap.records import Attachment, Channel, Message, Metadata
 from mcap.stream_reader import StreamReader
 
 from robotwalk.errors import UsageError
-from robotwalk.tape import Call, Failed, Now, Received, Sent, Step, Wait
-from robotwalk.types import Command, Pose, Twist
+from robotwalk.tape import Call, Concluded, Failed, Now, Received, Sent, Step, Wait
+from robotwalk.types import Command, JointState, Pose, Twist
 
+_TAPE, _BUS, _STATES = "/tape", "/bus/", "/joint_states"
 _LARGEST_RECORD = 1 << 28  # bytes; a length beyond it is damage
 
 
@@ -73,15 +74,14 @@ class Log:
         Raises:
             UsageError: it is of another version.
         """
-        arrived: dict[tuple[str, str], deque[Traffic]] = defaultdict(deque)
+        before: dict[str, deque[tuple[int, dict[str, Any]]]] = defaultdict(deque)  # messages, by topic
         with self._understood():
-            for time, topic, fields in self._contents():
-                if topic == "/tape":
+            for time, topic, fields in self._contents(_STATES):
+                if topic == _TAPE:
                     for step in fields["steps"]:
-                        yield _step(step, arrived)
+                        yield _step(step, before)
                 else:
-                    traffic = _traffic(time, topic, fields)
-                    arrived[traffic.bus, "tx" if traffic.sent else "rx"].append(traffic)
+                    before[topic].append((time, fields))
 
     def traffic(self) -> Iterator[Traffic]:
         """Return the bytes.
@@ -91,8 +91,9 @@ class Log:
         """
         with self._understood():
             for time, topic, fields in self._contents():
-                if topic != "/tape":
-                    yield _traffic(time, topic, fields)
+                if topic != _TAPE:
+                    bus, _, way = topic.removeprefix(_BUS).rpartition("/")
+                    yield Traffic(time, bus, way == "tx", bytes.fromhex(fields["bytes"]))
 
     @contextmanager
     def _understood(self) -> Iterator[None]:
@@ -101,11 +102,11 @@ class Log:
         except (LookupError, TypeError, ValueError, AttributeError) as error:
             raise UsageError(f"{self._path} was written by another version: {error!r} is not understood") from error
 
-    def _contents(self) -> Iterator[tuple[int, str, dict[str, Any]]]:
-        """Return (time, topic, fields) of every message that bears on the bus."""
+    def _contents(self, *others: str) -> Iterator[tuple[int, str, dict[str, Any]]]:
+        """Return (time, topic, fields) of every message of the tape, the buses and some other topics."""
         for message in self._messages:
             topic = self._topics.get(message.channel_id, "")
-            if topic == "/tape" or topic.startswith("/bus/"):
+            if topic == _TAPE or topic.startswith(_BUS) or topic in others:
                 yield message.log_time, topic, json.loads(message.data)
 
     def _read(self, reader: StreamReader) -> Iterator[Message]:
@@ -127,13 +128,8 @@ class Log:
             self.damage = f"it is damaged ({error})"
 
 
-def _traffic(time: int, topic: str, fields: dict[str, Any]) -> Traffic:
-    bus, _, way = topic.removeprefix("/bus/").rpartition("/")
-    return Traffic(time, bus, way == "tx", bytes.fromhex(fields["bytes"]))
-
-
-def _step(written: list[Any], arrived: dict[tuple[str, str], deque[Traffic]]) -> Step:
-    """Return a step of the tape; its bytes lie in the messages before it."""
+def _step(written: list[Any], before: dict[str, deque[tuple[int, dict[str, Any]]]]) -> Step:
+    """Return a step of the tape; what it holds may lie in a message before it."""
     match written:
         case ["now", time]:
             return Now(time)
@@ -141,10 +137,13 @@ def _step(written: list[Any], arrived: dict[tuple[str, str], deque[Traffic]]) ->
             return Wait(deadline)
         case [("tx" | "rx") as way, bus, size]:
             kind = Sent if way == "tx" else Received
-            traffic = arrived[bus, way].popleft() if size else None
-            return kind(bus, traffic.time, traffic.data) if traffic else kind(bus, 0, b"")
+            time, fields = before[f"{_BUS}{bus}/{way}"].popleft() if size else (0, {"bytes": ""})
+            return kind(bus, time, bytes.fromhex(fields["bytes"]))
         case ["failed", bus, reason]:
             return Failed(bus, reason)
+        case ["joints"]:
+            _, fields = before[_STATES].popleft()
+            return Concluded(JointState(*(tuple(fields[name]) for name in JointState._fields)))
         case ["do", "command", fields]:
             twist, posture = Twist(**fields["twist"]), Pose(**fields["posture"])
             return Call("command", Command(**(fields | {"twist": twist, "posture": posture})))

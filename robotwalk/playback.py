@@ -7,8 +7,9 @@ from typing import NamedTuple, NoReturn
 from robotwalk.errors import BusError, UsageError
 from robotwalk.loop import Loop
 from robotwalk.ports import BytePort
+from robotwalk.recorder import Row
 from robotwalk.supervisor import Request
-from robotwalk.tape import Call, Failed, Now, Received, Sent, Step, Wait
+from robotwalk.tape import Call, Concluded, Failed, Now, Received, Sent, Step, Wait
 from robotwalk.types import Command, JointState
 
 
@@ -27,7 +28,7 @@ class _Diverged(BaseException):
 
 
 class Playback:
-    """Plays a tape to a loop that is built on `clock` and `port`.
+    """Plays a tape to a loop that is built on `clock` and `port` and tells `conclude` of its ticks.
 
     Attributes:
         ticks, sent_bytes, received_bytes: how much was the same.
@@ -67,7 +68,11 @@ class Playback:
         except _Diverged:
             pass
 
-    def expect(self, step: Wait | Sent) -> None:
+    def conclude(self, row: Row) -> None:
+        """Compare what the loop makes of the bytes with the tape."""
+        self.expect(Concluded(row.joints))
+
+    def expect(self, step: Wait | Sent | Concluded) -> None:
         """Compare what the loop does with the tape. The time of sending follows from the clock.
 
         Raises:

@@ -5,7 +5,7 @@ its own turns them into messages and writes them. Nothing is dropped; a slow dis
 
     /command ... /events      a message a tick, for people
     /bus/NAME/tx, /bus/NAME/rx    the bytes, with their times
-    /tape                     the order of all steps; the bytes of `tx` and `rx` lie in the messages before it
+    /tape                     the order of all steps; bytes and joint states lie in the messages before it
     attachments               the robot's files, as they were
 """
 
@@ -20,7 +20,7 @@ from mcap.writer import Writer
 
 from robotwalk.errors import UsageError
 from robotwalk.supervisor import State
-from robotwalk.tape import Call, Failed, Now, Received, Sent, Step, Tape, Wait
+from robotwalk.tape import Call, Concluded, Failed, Now, Received, Sent, Step, Tape, Wait
 from robotwalk.types import Command, JointState, Pose, Twist
 
 _CHUNK = 1 << 16  # bytes; what a crash may cost, some seconds of a walk
@@ -91,6 +91,7 @@ class Recorder:
     def put(self, row: Row) -> None:
         """Take a tick's row."""
         self._queue.put(row)
+        self.tape.add(Concluded(row.joints))
 
     def event(self, time: int, event: Event) -> None:
         """Take an event, at `time` ns."""
@@ -155,6 +156,8 @@ class Recorder:
                     written.append(["wait", deadline])
                 case Failed(bus, reason):
                     written.append(["failed", bus, reason])
+                case Concluded():
+                    written.append(["joints"])
                 case Call(name, argument):
                     written.append(["do", name, _command_fields(argument) if name == "command" else argument])
         self._write("tape", self._time, {"steps": written})

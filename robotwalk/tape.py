@@ -4,9 +4,10 @@
     Now, Received     what it learns: the time, and bytes
     Wait, Sent        what it does: it waits, and sends bytes
     Failed            a port that takes or gives no bytes any more
+    Concluded         what it makes of the bytes: the state of the joints
 
-The loop's own part is left out, as all of it follows from this: `robotwalk.playback` runs the loop again and
-sees whether it waits and sends as it did.
+The rest follows from this: `robotwalk.playback` runs the loop again, and sees whether it waits, sends and
+concludes as it did.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,6 +15,7 @@ from typing import Any, NamedTuple
 
 from robotwalk.errors import BusError
 from robotwalk.ports import BytePort, Clock
+from robotwalk.types import JointState
 
 _LONGEST_BATCH = 256  # steps; a tick has some twenty, arming has thousands
 
@@ -60,7 +62,13 @@ class Failed(NamedTuple):
     reason: str
 
 
-Step = Call | Now | Wait | Sent | Received | Failed
+class Concluded(NamedTuple):
+    """The joints, as a tick has read them."""
+
+    joints: JointState
+
+
+Step = Call | Now | Wait | Sent | Received | Failed | Concluded
 
 
 class Tape:

@@ -9,6 +9,7 @@ from robotwalk.errors import UsageError
 from robotwalk.log import Log
 from robotwalk.loop import Loop
 from robotwalk.playback import Difference, Playback
+from robotwalk.tape import Call, Concluded, Failed, Now, Received, Sent, Step, Wait
 
 
 class Replay(NamedTuple):
@@ -37,7 +38,7 @@ def replay(path: Path) -> Replay:
         def make() -> Loop:
             clock = playback.clock()
             ports = {name: playback.port(name) for name in blueprint.hardware.buses}
-            return loop_of(blueprint, clock, bus_of(blueprint, clock, ports), rate_hz)
+            return loop_of(blueprint, clock, bus_of(blueprint, clock, ports), rate_hz, playback.conclude)
 
         playback.run(make)
         difference = playback.difference
@@ -52,3 +53,24 @@ def _rate(log: Log, path: Path) -> int:
         return int(log.about["rate_hz"])
     except (KeyError, ValueError):
         raise UsageError(f"{path} does not tell its rate") from None
+
+
+def in_words(step: Step | None) -> str:
+    """Return what a step is."""
+    match step:
+        case None:
+            return "nothing more"
+        case Call(name, argument):
+            return f"the loop is told to {name}" + ("" if argument is None else f": {argument}")
+        case Now(time):
+            return f"the clock is read ({time} ns)"
+        case Wait(deadline):
+            return f"it waits until {deadline} ns"
+        case Sent(bus, _, data):
+            return f"it sends on {bus}: {data.hex(' ')}"
+        case Received(bus, _, data):
+            return f"it reads {bus}: {data.hex(' ') or 'nothing has come'}"
+        case Failed(bus, reason):
+            return f"{bus} fails: {reason}"
+        case Concluded(joints):
+            return f"it finds the joints as {joints}"

@@ -2,7 +2,7 @@
 
 import gc
 import platform
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,10 +20,10 @@ from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate, JointLimit
 from robotwalk.loop import Loop
 from robotwalk.ports import BytePort, Clock, ServoBus
-from robotwalk.recorder import Recorder
+from robotwalk.recorder import Recorder, Row
 from robotwalk.robot import Robot
 from robotwalk.supervisor import Supervisor
-from robotwalk.tape import TapedClock, TapedPort
+from robotwalk.tape import Tape, TapedClock, TapedPort
 
 RATE_HZ = 100
 _STALE_AFTER = 0.5  # s without an answer from a joint before the robot sits down
@@ -126,12 +126,14 @@ def robot_of(
         ports = {name: TapedPort(name, port, clock, recorder.tape) for name, port in ports.items()}
         clock = TapedClock(clock, recorder.tape)
     bus = bus_of(blueprint, clock, ports)
-    loop = loop_of(blueprint, clock, bus, rate_hz, recorder)
+    record, tape = (recorder.put, recorder.tape) if recorder else (None, None)
+    loop = loop_of(blueprint, clock, bus, rate_hz, record, tape)
     return Robot(blueprint.model, tuple(blueprint.gaits), loop, bus, recorder=recorder, torque=torque), bus
 
 
 def loop_of(
-    blueprint: Blueprint, clock: Clock, bus: ServoBus, rate_hz: int, recorder: Recorder | None = None
+    blueprint: Blueprint, clock: Clock, bus: ServoBus, rate_hz: int,
+    record: Callable[[Row], None] | None = None, tape: Tape | None = None,
 ) -> Loop:
     """Join the stages into a loop around a bus."""
     model = blueprint.model
@@ -149,6 +151,6 @@ def loop_of(
         feedforward=Feedforward(blueprint.drives),
         gate=Gate(model.joint_names, limits),
         supervisor=Supervisor(_STALE_AFTER),
-        record=recorder.put if recorder else None,
-        tape=recorder.tape if recorder else None,
+        record=record,
+        tape=tape,
     )

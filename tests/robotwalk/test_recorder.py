@@ -43,6 +43,7 @@ def test_every_row_is_in_the_file(tmp_path: Path) -> None:
         recorder.put(row(tick))
     recorder.close()
     topics = read(path)
+    assert sum(len(message["steps"]) for _, message in topics.pop("/tape")) == 2_000
     assert set(topics) == {"/command", "/joint_states", "/joint_goals", "/odom", "/timing"}
     for messages in topics.values():
         assert [time for time, _ in messages] == [10_000_000 * tick for tick in range(2_000)]
