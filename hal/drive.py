@@ -12,7 +12,7 @@ def response(model: ServoModel) -> DriveResponse:
     """
     loop, motor = model.position_loop, model.motor
     gain = model[loop.proportional].default or 0
-    duty_per_rad = gain / loop.divisor / model.encoder.radians_per_tick / loop.pwm_full_scale
+    duty_per_rad = loop.duty_per_tick(gain) / model.encoder.radians_per_tick
     rated = model.specification.rated
     stiffness = motor.torque_constant_nm_per_a / motor.resistance_ohm * rated.voltage_v * duty_per_rad
     return DriveResponse(

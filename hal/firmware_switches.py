@@ -1,6 +1,6 @@
 """What no manual of a servo states, and the fake servo must decide: switches, which each file sets with its reasons."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -20,6 +20,21 @@ class DynamixelFirmware(Row):
     overload_duty: Annotated[float, Field(gt=0, le=1)]
     overload_s: Annotated[float, Field(gt=0)]
     temperature_c: float  # the fake has no heat model: every servo stays at this
+
+
+class AxFirmware(Row):
+    """Of the AX series."""
+
+    later_ids_answer: ClassVar[bool] = False  # nothing reads many of them at once
+
+    kind: Literal["dynamixel-ax"]
+    version: Annotated[int, Field(ge=0, le=255)]
+    goal_follows_present: bool  # whether the goal is where the shaft is as long as torque is off
+    dead_zone_reads: Literal["nearest", "zero"]  # the position where the encoder has none: the nearest end, or 0
+    reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after power-up or a factory reset
+    overload_duty: Annotated[float, Field(gt=0, le=1)]  # as a share of the torque limit
+    overload_s: Annotated[float, Field(gt=0)]
+    temperature_c: float
 
 
 class FeetechFirmware(Row):

@@ -1,4 +1,4 @@
-"""What Dynamixel 2.0 and Feetech have in common: the numbers and the parameters of their instructions.
+"""What Dynamixel and Feetech have in common: the numbers and the parameters of their instructions.
 
 Their frames differ, and so does the width of an address; each protocol module brings both.
 """
@@ -20,7 +20,8 @@ class Instruction(IntEnum):
     REBOOT = 0x08
     SYNC_READ = 0x82
     SYNC_WRITE = 0x83
-    FAST_SYNC_READ = 0x8A  # Dynamixel's only
+    FAST_SYNC_READ = 0x8A  # Dynamixel 2.0 only
+    BULK_READ = 0x92  # Dynamixel's only
 
 
 class Instructions:

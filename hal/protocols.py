@@ -1,10 +1,14 @@
 """Which module speaks which protocol."""
 
-from hal import dynamixel_protocol, feetech_protocol
+from hal import dynamixel1_protocol, dynamixel_protocol, feetech_protocol
 from hal.protocol import ServoProtocol
 from hal.register_map import ServoModel
 
-_PROTOCOLS: dict[str, ServoProtocol] = {"dynamixel-2.0": dynamixel_protocol, "feetech-sts": feetech_protocol}
+_PROTOCOLS: dict[str, ServoProtocol] = {
+    "dynamixel-2.0": dynamixel_protocol,
+    "dynamixel-1.0": dynamixel1_protocol,
+    "feetech-sts": feetech_protocol,
+}
 
 
 def protocol_of(model: ServoModel) -> ServoProtocol:

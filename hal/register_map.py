@@ -6,13 +6,14 @@ a servo's behaviour in `sim_backend`.
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, ValuesView
 from enum import StrEnum
 from functools import cached_property
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
+from hal.firmware_switches import AxFirmware as AxFirmware
 from hal.firmware_switches import DynamixelFirmware as DynamixelFirmware
 from hal.firmware_switches import FeetechFirmware as FeetechFirmware
 from hal.firmware_switches import ScsFirmware as ScsFirmware
@@ -26,7 +27,7 @@ _SI_UNITS = {
 
 
 ByteOrder = Literal["little", "big"]
-Protocol = Literal["dynamixel-2.0", "dynamixel-1.0", "feetech-sts", "feetech-scs"]
+ProtocolName = Literal["dynamixel-2.0", "dynamixel-1.0", "feetech-sts", "feetech-scs"]
 _FRAMES = {"feetech-sts": "feetech", "feetech-scs": "feetech"}  # of the protocols that share them
 
 
@@ -92,19 +93,20 @@ class Block(NamedTuple):
 class Encoder(Row):
     """How position counts relate to the output shaft."""
 
-    ticks_per_turn: Annotated[int, Field(gt=0)]
+    ticks: Annotated[int, Field(gt=0)]  # counts from 0 on
+    span_deg: Annotated[float, Field(gt=0, le=360)] = 360.0  # over which they spread; the rest of a turn is dead
     centre: int  # counts at the middle of the range: 0 rad
 
     @property
     def radians_per_tick(self) -> float:
         """The angle of one count."""
-        return 2.0 * math.pi / self.ticks_per_turn
+        return math.radians(self.span_deg) / self.ticks
 
     @property
     def range_deg(self) -> tuple[float, float]:
-        """The angles of one turn's first and last count, from the centre."""
-        degrees = 360.0 / self.ticks_per_turn
-        return -self.centre * degrees, (self.ticks_per_turn - 1 - self.centre) * degrees
+        """The angles of the first and the last count, from the centre."""
+        degrees = self.span_deg / self.ticks
+        return -self.centre * degrees, (self.ticks - 1 - self.centre) * degrees
 
 
 class Telemetry(Row):
@@ -188,6 +190,24 @@ class PositionLoop(Row):
     divisor: Annotated[float, Field(gt=0)]
     pwm_full_scale: Annotated[int, Field(gt=0)]  # counts of the PWM registers at 100 % duty
 
+    def duty_per_tick(self, counts: float) -> float:
+        """Return how steeply the duty grows with the error, for counts of the gain's register."""
+        return counts / self.divisor / self.pwm_full_scale
+
+
+class ComplianceLoop(Row):
+    """A position controller that is told its compliance: duty = punch + (error in ticks - margin) / slope.
+
+    Within the margin it does nothing.
+    """
+
+    proportional: Annotated[str, Field(alias="slope")]  # name of the register that holds the slope, in ticks
+    pwm_full_scale: Annotated[int, Field(gt=0)]  # counts of the punch and of the torque limits at 100 % duty
+
+    def duty_per_tick(self, counts: float) -> float:
+        """Return how steeply the duty grows with the error, for counts of the slope's register."""
+        return 1.0 / counts
+
 
 class ServoModel(Row):
     """One file of `configs/servos`."""
@@ -195,18 +215,18 @@ class ServoModel(Row):
     schema_version: Annotated[Literal[1], Field(alias="schema")]
     name: str
     description: str
-    protocol: Protocol
+    protocol: ProtocolName
     byte_order: ByteOrder = "little"
     model_number: int
     sync_read: bool = True  # whether one instruction can read many of these servos
     fast_sync_read_firmware: int | None  # the first firmware that has it; None: none has
-    baud_rates: Annotated[tuple[int, ...], Field(min_length=1)]  # by value of the baud_rate register
+    baud_by_value: Annotated[Mapping[int, int], Field(alias="baud_rates", min_length=1)]  # of the baud_rate register
     encoder: Encoder
     cyclic: Cyclic
     specification: Specification
     motor: Motor
-    position_loop: PositionLoop
-    firmware: Annotated[DynamixelFirmware | StsFirmware | ScsFirmware, Field(discriminator="kind")]
+    position_loop: PositionLoop | ComplianceLoop
+    firmware: Annotated[DynamixelFirmware | AxFirmware | StsFirmware | ScsFirmware, Field(discriminator="kind")]
     registers: tuple[Register, ...]
 
     @cached_property
@@ -227,6 +247,24 @@ class ServoModel(Row):
 
     def __getitem__(self, name: str) -> Register:
         return self.by_name[name]
+
+    @property
+    def baud_rates(self) -> ValuesView[int]:
+        """All that it has."""
+        return dict(self.baud_by_value).values()
+
+    def baud_value(self, baud: int) -> int:
+        """Return what the baud_rate register holds for a baud rate. Raises ValueError if the servo has not got it."""
+        for value, rate in self.baud_by_value.items():
+            if rate == baud:
+                return value
+        raise ValueError(f"{self.name} does not have {baud} baud; it has {', '.join(map(str, self.baud_rates))}")
+
+    @field_validator("baud_by_value", mode="before")
+    @classmethod
+    def _number_bauds(cls, bauds: Any) -> Any:
+        """Let a plain list count from 0."""
+        return dict(enumerate(bauds)) if isinstance(bauds, list) else bauds
 
     @model_validator(mode="before")
     @classmethod

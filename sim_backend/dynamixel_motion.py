@@ -39,7 +39,7 @@ class DynamixelMotion:
         self._rate = firmware.time_base_hz
         self._derivative = firmware.derivative_gain
         self._full = model.position_loop.pwm_full_scale
-        turn = model.encoder.ticks_per_turn
+        turn = model.encoder.ticks
         self._speed_unit = model["profile_velocity"].scale * turn / 60.0  # ticks/s per count, from rpm
         self._acceleration_unit = model["profile_acceleration"].scale * turn / 3600.0  # from rev/min^2
         self._supply_scale = 1.0 / model["present_input_voltage"].scale
@@ -49,7 +49,7 @@ class DynamixelMotion:
         """Take over what each goal needs; `turned` ticks have been taken off the position."""
         table, encoder = self._table, self._model.encoder
         offset = table["homing_offset"]
-        if table["operating_mode"] == OperatingMode.POSITION and abs(offset) > encoder.ticks_per_turn // 4:
+        if table["operating_mode"] == OperatingMode.POSITION and abs(offset) > encoder.ticks // 4:
             offset = 0  # ignored there (e-Manual, Homing Offset)
         self.sign = -1 if table["drive_mode"] & _REVERSE else 1
         self.zero = encoder.centre + offset - turned
@@ -79,7 +79,7 @@ class DynamixelMotion:
         loop = self._model.position_loop
         derivative = table["position_d_gain"] if self._derivative else 0
         return Gains(
-            table[loop.proportional] / loop.divisor * duty,
+            loop.duty_per_tick(table[loop.proportional]),
             table["position_i_gain"] / _INTEGRAL_DIVISOR * rate * duty,
             derivative / _DERIVATIVE_DIVISOR / rate * duty,
             table["feedforward_1st_gain"] / _FEED_FORWARD_DIVISOR / rate * duty,

@@ -91,7 +91,7 @@ class FakeServo(ABC):
         """Take over the settings of the bus."""
         self.id = self.table["id"]
         self.return_delay_ns = self.table["return_delay_time"] * self._delay_unit_ns
-        self._baud = self.model.baud_rates[self.table["baud_rate"]]
+        self._baud = self.model.baud_by_value[self.table["baud_rate"]]
 
     def _sense(self) -> None:
         """Bring the present values into the table, if there are newer ones."""
@@ -102,5 +102,5 @@ class FakeServo(ABC):
 
     def _take_off_turns(self, sign: int, zero: int) -> None:
         """Bring the count `sign x ticks + zero` to within one turn, which is all that the encoder tells."""
-        turn = self.model.encoder.ticks_per_turn
+        turn = self.model.encoder.ticks
         self._turned = math.floor((zero + sign * self._physics.ticks(self._index)) / turn) * turn

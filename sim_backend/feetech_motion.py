@@ -72,7 +72,7 @@ class FeetechMotion(ABC):
     def position_gains(self) -> Gains:
         """Return the gains of the position loop."""
         table, loop, firmware = self.table, self.model.position_loop, self._firmware
-        duty = 1.0 / (loop.divisor * self.full)
+        duty = loop.duty_per_tick(1.0)
         derivative = table["position_d_gain"] if firmware.derivative_gain else 0
         return Gains(
             table[loop.proportional] * duty, table["position_i_gain"] / firmware.integral_s * duty,

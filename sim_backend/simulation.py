@@ -48,7 +48,7 @@ class SimulatedRobot:
         # Servos find their shafts where the world has put them.
         self.servos = [
             make_servo(
-                self.physics, index, id=servo.id, baud_rate=servo.model.baud_rates.index(bauds[servo.bus]),
+                self.physics, index, id=servo.id, baud_rate=servo.model.baud_value(bauds[servo.bus]),
                 return_delay_time=0)
             for index, servo in enumerate(servos)
         ]

@@ -55,7 +55,7 @@ class StsServo(FeetechServo):
 
     def _centre_here(self) -> None:
         encoder = self.model.encoder
-        actual = round(encoder.centre + self._physics.ticks(self._index)) % encoder.ticks_per_turn
+        actual = round(encoder.centre + self._physics.ticks(self._index)) % encoder.ticks
         self.table.assign(self.model["position_offset"], within(actual - encoder.centre, _LARGEST_OFFSET))
 
     def _hold(self, position: int) -> None:
@@ -64,7 +64,7 @@ class StsServo(FeetechServo):
 
     def _shown(self, position: int) -> int:
         if not self.table["phase"] & MULTI_TURN_FEEDBACK:
-            position %= self.model.encoder.ticks_per_turn
+            position %= self.model.encoder.ticks
         return within(position, _LARGEST_MAGNITUDE)
 
     def _show(self, present: list[int]) -> None:

@@ -25,7 +25,7 @@ class StsMotion(FeetechMotion):
 
     def __init__(self, model: ServoModel, firmware: StsFirmware, table: FeetechTable) -> None:
         self._sts = firmware
-        turn = model.encoder.ticks_per_turn
+        turn = model.encoder.ticks
         self._fine_speed = model["goal_velocity"].scale * turn  # ticks/s per count, from rev/s
         self._largest_speed_unit = model["max_velocity_limit"].scale * turn
         self._acceleration_unit = model["acceleration"].scale

@@ -30,10 +30,10 @@ def set_baud(servo: Servo, baud: int) -> Change:
 
 def baud_value(servo: Servo, baud: int) -> int:
     """Return what the register holds for a baud rate. Raises UsageError if the model does not have it."""
-    rates = list(servo.model.baud_rates)
-    if baud not in rates:
-        raise UsageError(f"{servo.model.name} does not have {baud} baud; it has {', '.join(map(str, rates))}")
-    return rates.index(baud)
+    try:
+        return servo.model.baud_value(baud)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
 
 
 def _move(servo: Servo, name: str, value: int) -> Change:

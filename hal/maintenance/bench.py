@@ -6,12 +6,12 @@ from typing import NamedTuple
 from hal.encoding import pack
 from hal.maintenance import factory_reset, scan
 from hal.maintenance.backup import Backup, Restored, restore, take
-from hal.maintenance.dialogue import Dialogue, Heard
+from hal.maintenance.dialects import group
+from hal.maintenance.dialogue import Heard
 from hal.maintenance.identity import Identity, identify
 from hal.maintenance.sdk_port import SdkPort
 from hal.maintenance.servo import Servo, found
 from hal.maintenance.vendor_sdk import Keep, VendorSdk
-from hal.protocols import protocol_of
 from hal.register_map import ServoModel
 from hal.tunable_port import TunablePort
 from robotwalk.errors import BusError, ServoError
@@ -46,15 +46,12 @@ class Bench:
         """Take the models that may be there; their protocols are those that are tried."""
         self.clock = clock
         self._port = port
-        self._models: dict[str, list[ServoModel]] = {}
-        for model in models:
-            self._models.setdefault(model.protocol, []).append(model)
-        self._dialogues = {
-            name: Dialogue(port, clock, protocol_of(models[0])) for name, models in self._models.items()}
+        self._models = tuple(models)
+        self._dialects = group(port, clock, self._models)
 
     def bauds(self) -> list[int]:
         """Return every baud rate that a model has, the common ones first."""
-        known = {baud for models in self._models.values() for model in models for baud in model.baud_rates}
+        known = {baud for model in self._models for baud in model.baud_rates}
         return sorted(known, key=lambda baud: (baud not in _FACTORY_BAUDS, -baud))
 
     def tune(self, baud: int) -> None:
@@ -64,9 +61,9 @@ class Bench:
     def scan(self) -> Iterator[scan.Finding]:
         """Look for servos at the baud rate of now, in each protocol that has it."""
         baud = self._port.baud
-        for name, models in self._models.items():
-            if any(baud in model.baud_rates for model in models):
-                yield from scan.scan(self._dialogues[name], models)
+        for dialects in self._dialects:
+            if any(baud in model.baud_rates for model in dialects.models):
+                yield from scan.scan(dialects)
 
     def ping(self, servo_id: int) -> Found:
         """Find out who has an id.
@@ -76,15 +73,15 @@ class Bench:
         """
         doubtful = Heard()
         for _ in range(_ATTEMPTS):  # a servo may lose the frame behind one of another brand
-            for name, dialogue in self._dialogues.items():
+            for dialects in self._dialects:
                 if not doubtful.silent:
-                    dialogue.listen(_LATE)  # it may have been the answer to another ping, late
-                heard = dialogue.ping(servo_id)
+                    dialects.any.listen(_LATE)  # it may have been the answer to another ping, late
+                heard = dialects.any.ping(servo_id)
                 if heard.alone(servo_id):
-                    identity = identify(dialogue, self._models[name], heard.statuses[0])
+                    identity = identify(dialects, heard.statuses[0])
                     return Found(identity, heard.took / _NS)
                 doubtful = doubtful if heard.silent else heard
-        raise next(iter(self._dialogues.values())).nobody(servo_id, doubtful)
+        raise self._dialects[0].any.nobody(servo_id, doubtful)
 
     def servo(self, servo_id: int) -> Servo:
         """Return the servo that has an id.
@@ -170,11 +167,11 @@ class Bench:
         return vendor_sdk(servo.model, SdkPort(self._port, self.clock))
 
     def _servo(self, identity: Identity) -> Servo:
-        return found(self._dialogues[identity.protocol], identity, self._models[identity.protocol])
+        return found(identity, self._dialects)
 
     def _broadcast_torque_off(self) -> None:
         """Let everybody go at once. Twice: nobody acknowledges a broadcast."""
-        for name, dialogue in [*self._dialogues.items()] * 2:
-            for row in dict.fromkeys(model[_TORQUE] for model in self._models[name]):
+        for dialects in self._dialects * 2:
+            for dialogue, row in dialects.torque_switches():
                 protocol = dialogue.protocol
                 dialogue.exchange(protocol.write(protocol.BROADCAST_ID, row.address, pack(row, 0)), _GAP)

@@ -49,7 +49,7 @@ def _places(servo: Servo, outcome: Outcome) -> Sequence[Place]:
     """Return where it may be afterwards."""
     model = servo.model
     ids = _possible(outcome.id, servo.id, model["id"].default or 0)
-    bauds = _possible(outcome.baud, servo.dialogue.port.baud, model.baud_rates[model["baud_rate"].default or 0])
+    bauds = _possible(outcome.baud, servo.dialogue.port.baud, model.baud_by_value[model["baud_rate"].default or 0])
     return list(itertools.starmap(Place, itertools.product(bauds, ids)))
 
 

@@ -1,10 +1,10 @@
 """Who a servo is that has answered a ping."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 from hal.encoding import unpack
 from hal.maintenance import quantity
+from hal.maintenance.dialects import Dialects
 from hal.maintenance.dialogue import Dialogue, NoAnswerError
 from hal.protocol import Status
 from hal.register_map import Register, ServoModel
@@ -34,14 +34,19 @@ class Identity(NamedTuple):
         return "does not answer reads" if self.model_number is None else f"unknown (model number {self.model_number})"
 
 
-def identify(dialogue: Dialogue, models: Sequence[ServoModel], status: Status) -> Identity:
-    """Read who it is that answered. All `models` speak the protocol of the dialogue."""
-    number, model = _model(dialogue, models, status.id)
+def identify(dialects: Dialects, status: Status) -> Identity:
+    """Read who it is that answered a ping."""
+    servo_id, baud = status.id, dialects.any.port.baud
+    number, model = _model(dialects, servo_id)
+    if model is None:
+        return Identity(servo_id, dialects.name, baud, status.alert, number, None, None, None, None)
+    dialogue, telemetry = dialects.of(model), model.cyclic.telemetry
+    if dialogue is not dialects.any:
+        status = dialogue.ping(servo_id).of(servo_id) or status  # each protocol reads the error byte its own way
     return Identity(
-        status.id, models[0].protocol, dialogue.port.baud, status.alert, number, model,
-        firmware(dialogue, model, status.id) if model else None,
-        _measured(dialogue, model, status.id, "present_input_voltage"),
-        _measured(dialogue, model, status.id, "present_temperature"))
+        servo_id, model.protocol, baud, status.alert, number, model, firmware(dialogue, model, servo_id),
+        _measured(dialogue, servo_id, model[telemetry.voltage]),
+        _measured(dialogue, servo_id, model[telemetry.temperature]))
 
 
 def firmware(dialogue: Dialogue, model: ServoModel, servo_id: int) -> str | None:
@@ -51,24 +56,25 @@ def firmware(dialogue: Dialogue, model: ServoModel, servo_id: int) -> str | None
     return None if None in values else ".".join(map(str, values))
 
 
-def _model(
-    dialogue: Dialogue, models: Sequence[ServoModel], servo_id: int
-) -> tuple[int | None, ServoModel | None]:
-    """Return the number that is where these models have theirs, and the model of that number."""
+def _model(dialects: Dialects, servo_id: int) -> tuple[int | None, ServoModel | None]:
+    """Return the number that is where these models have theirs, and the model of that number.
+
+    Dynamixel's, at address 0, comes first: Feetech's firmware version, which lies there, is no model's number. At
+    Feetech's address an AX has its id and baud rate, which may be anything.
+    """
     number = None
-    for row in dict.fromkeys(model["model_number"] for model in models):
+    rows = dict.fromkeys((model["model_number"], dialects.of(model)) for model in dialects.models)
+    for row, dialogue in sorted(rows, key=lambda place: place[0].address):
         number = _peek(dialogue, servo_id, row)
-        for model in models:
+        for model in dialects.models:
             if model.model_number == number and model["model_number"] == row:
                 return number, model
     return number, None
 
 
-def _measured(dialogue: Dialogue, model: ServoModel | None, servo_id: int, name: str) -> float | None:
-    if model is None or name not in model.by_name:
-        return None
-    value = _peek(dialogue, servo_id, model[name])
-    return None if value is None else quantity.in_units(model[name], value)
+def _measured(dialogue: Dialogue, servo_id: int, register: Register) -> float | None:
+    value = _peek(dialogue, servo_id, register)
+    return None if value is None else quantity.in_units(register, value)
 
 
 def _peek(dialogue: Dialogue, servo_id: int, register: Register) -> int | None:

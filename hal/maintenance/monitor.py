@@ -1,7 +1,6 @@
 """What a servo measures, over and over, in units for people."""
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 from hal.encoding import unpack
@@ -9,8 +8,6 @@ from hal.maintenance.dialogue import NoAnswerError
 from hal.maintenance.servo import Servo
 from hal.register_map import Block, ServoModel
 from robotwalk.errors import ServoError
-
-_VOLTAGE, _TEMPERATURE = "present_input_voltage", "present_temperature"
 
 
 class Sample(NamedTuple):
@@ -28,6 +25,7 @@ class Sample(NamedTuple):
 def sample(servo: Servo) -> Sample | None:
     """Read a servo; None if it does not answer."""
     model, cyclic = servo.model, servo.model.cyclic
+    voltage, temperature = cyclic.telemetry.voltage, cyclic.telemetry.temperature
     block = _block(model)
     try:
         data = servo.dialogue.read(servo.id, block.address, block.size)
@@ -41,13 +39,14 @@ def sample(servo: Servo) -> Sample | None:
         position_deg=math.degrees(position * model.encoder.radians_per_tick),
         velocity_deg_s=math.degrees(counts[cyclic.velocity] * model[cyclic.velocity].si_scale),
         load_percent=100.0 * counts[cyclic.effort] / cyclic.effort_full_scale,
-        voltage_v=counts[_VOLTAGE] * model[_VOLTAGE].scale,
-        temperature_c=counts[_TEMPERATURE] * model[_TEMPERATURE].scale,
+        voltage_v=counts[voltage] * model[voltage].scale,
+        temperature_c=counts[temperature] * model[temperature].scale,
         errors=errors)
 
 
 def _block(model: ServoModel) -> Block:
     """Return what is read at once."""
     cyclic = model.cyclic
-    names: Sequence[str] = (cyclic.position, cyclic.velocity, cyclic.effort, _VOLTAGE, _TEMPERATURE)
+    telemetry = cyclic.telemetry
+    names = cyclic.position, cyclic.velocity, cyclic.effort, telemetry.voltage, telemetry.temperature
     return Block(tuple(sorted((model[name] for name in names), key=lambda row: row.address)))

@@ -6,13 +6,13 @@ late still counts. An id about which something was garbled is asked once more, a
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
+from hal.maintenance.dialects import Dialects
 from hal.maintenance.dialogue import Dialogue, Heard
 from hal.maintenance.identity import Identity, identify
 from hal.protocol import Status
-from hal.register_map import ServoModel
 
 IDS = range(253)
 _PING_SIZE, _STATUS_SIZE = 12, 14  # bytes: of a ping and its shortest answer; of the longest answer to a ping
@@ -56,9 +56,10 @@ class Noise(NamedTuple):
 Finding = Progress | Identity | Clash | Noise
 
 
-def scan(dialogue: Dialogue, models: Sequence[ServoModel]) -> Iterator[Finding]:
-    """Look for servos of one protocol, whose `models` are known, at the baud rate that the port has."""
-    protocol, baud = models[0].protocol, dialogue.port.baud
+def scan(dialects: Dialects) -> Iterator[Finding]:
+    """Look for servos of known models that sound alike, at the baud rate that the port has."""
+    dialogue = dialects.any
+    protocol, baud = dialects.name, dialogue.port.baud
     yield Progress(protocol, baud, 0.0)
     dialogue.port.read()
     if dialogue.listen(_QUIET).garbled:
@@ -76,7 +77,7 @@ def scan(dialogue: Dialogue, models: Sequence[ServoModel]) -> Iterator[Finding]:
         if servo_id in roll.clashes:
             yield Clash(servo_id, protocol, baud)
         else:
-            yield identify(dialogue, models, roll.statuses[servo_id])
+            yield identify(dialects, roll.statuses[servo_id])
 
 
 class _RollCall:

@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 
 from hal.encoding import pack, unpack
 from hal.maintenance import quantity
+from hal.maintenance.dialects import Dialects
 from hal.maintenance.dialogue import Dialogue, NoAnswerError
 from hal.maintenance.identity import Identity
 from hal.maintenance.place import Place, is_vacant, settle_at
@@ -147,8 +148,8 @@ class Servo:
 
     def faults(self) -> list[str]:
         """Return the hardware errors that it reports, in words."""
-        name = "hardware_error_status"
-        return quantity.flags(self.model[name], self.read(name)) if name in self.model.by_name else []
+        name = self.model.cyclic.telemetry.error
+        return quantity.flags(self.model[name], self.read(name)) if name is not None else []
 
     @contextmanager
     def _unlocked(self) -> Iterator[None]:
@@ -171,12 +172,12 @@ class Servo:
         if register.name == "id":
             self.id = value
         if register.name == "baud_rate":
-            self.dialogue.port.baud = self.model.baud_rates[value]
+            self.dialogue.port.baud = self.model.baud_by_value[value]
 
     def _move(self, register: Register, value: int) -> int:
         """Change the id or the baud rate; return what is read back there. Whatever goes wrong, find the servo again."""
         old = self.place
-        new = old._replace(id=value) if register.name == "id" else old._replace(baud=self.model.baud_rates[value])
+        new = old._replace(id=value) if register.name == "id" else old._replace(baud=self.model.baud_by_value[value])
         if not is_vacant(self.dialogue, new):
             where = f"id {new.id}" if new.baud == old.baud else str(new)
             raise ServoError(f"{where} is taken: another servo on this line answers to it")
@@ -223,13 +224,15 @@ class Servo:
             return None
 
 
-def found(dialogue: Dialogue, identity: Identity, models: Sequence[ServoModel]) -> Servo:
+def found(identity: Identity, known: Sequence[Dialects]) -> Servo:
     """Return a servo whose model is known. Raises BusError if it is not."""
+    [dialects] = [one for one in known if identity.protocol in (one.name, *one.dialogues)]
+    models = dialects.models
     if identity.model is None:
         names = ", ".join(f"{model.name} ({model.model_number})" for model in models)
         what = "does not answer reads" if identity.model_number is None else f"is of model {identity.model_number}"
         raise BusError(f"id {identity.id} {what}, which no servo file describes; there are {names}")
-    return Servo(dialogue, identity, identity.model)
+    return Servo(dialects.of(identity.model), identity, identity.model)
 
 
 def _blocks(registers: Sequence[Register]) -> Iterator[Block]:

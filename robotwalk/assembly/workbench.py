@@ -26,6 +26,7 @@ from hal.maintenance.servo import Servo as Servo
 from hal.maintenance.vendor_sdk import Keep as Keep
 from hal.maintenance.wiggle import Wiggled as Wiggled
 from hal.maintenance.wiggle import wiggle as wiggle
+from hal.register_map import ProtocolName as ProtocolName
 from hal.register_map import Register as Register
 from hal.serial_transport import names_hardware, open_port
 from hal.servo_line import Wired as Wired

@@ -101,7 +101,7 @@ def test_row_of_the_manual(name: str, address: int, size: int, signed: bool, uni
 def test_identity_and_encoder() -> None:
     assert SERVO.model_number == SERVO["model_number"].default == 1060
     assert SERVO.fast_sync_read_firmware == 45
-    assert SERVO.encoder.ticks_per_turn == 4096
+    assert SERVO.encoder.ticks == 4096
     assert SERVO.encoder.radians_per_tick == pytest.approx(0.0015339808)
 
 

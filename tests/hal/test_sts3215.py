@@ -64,7 +64,8 @@ class TestTable:
 
     def test_baud_rates_by_register_value(self) -> None:
         """From index 5 on, some lists lack 76800 and are off by one."""
-        assert STS.baud_rates == (1_000_000, 500_000, 250_000, 128_000, 115_200, 76_800, 57_600, 38_400)
+        rates = 1_000_000, 500_000, 250_000, 128_000, 115_200, 76_800, 57_600, 38_400
+        assert STS.baud_by_value == dict(enumerate(rates))
 
     def test_identity(self) -> None:
         assert STS.model_number == STS["model_number"].default == 777

@@ -60,7 +60,7 @@ def bus(name: str, **firmware: bool) -> tuple[list[FakeServo], Device]:
     model = load_servo(name)
     model = model.model_copy(update={"firmware": model.firmware.model_copy(update=firmware)})
     physics = ServoPhysics([model] * 3)
-    baud = model.baud_rates.index(1_000_000)
+    baud = model.baud_value(1_000_000)
     servos = [make_servo(physics, i, id=i + 1, baud_rate=baud, return_delay_time=0) for i in range(3)]
     physics.step(np.zeros(3), np.zeros(3), 0)
     return servos, make_device("legs", servos)

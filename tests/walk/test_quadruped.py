@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from hal.register_map import ServoModel
+from hal.register_map import PositionLoop, ServoModel
 from robotwalk import assembly
 
 from . import rig
@@ -39,6 +39,7 @@ def varied(seed: int) -> assembly.Blueprint:
 
 def changed(servo: ServoModel, friction: float, armature: float, gain: float) -> ServoModel:
     motor, loop = servo.motor, servo.position_loop
+    assert isinstance(loop, PositionLoop)
     return servo.model_copy(update={
         "motor": motor.model_copy(update={
             "coulomb_nm": friction * motor.coulomb_nm, "viscous_nms": friction * motor.viscous_nms,

@@ -3,7 +3,7 @@
 import shlex
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
@@ -21,7 +21,7 @@ def _check_id(kind: Any, servo_id: int | None) -> None:
 ServoId = Annotated[int, Parameter(validator=_check_id, help=f"0 to {_LARGEST_ID}.")]
 Port = Annotated[str, Parameter(help="The line: /dev/ttyUSB0, socket://host:port, or a bus of `robotwalk sim`.")]
 Protocol = Annotated[
-    Literal["dynamixel-2.0", "feetech-sts"] | None,
+    workbench.ProtocolName | None,
     Parameter(help="What the servos speak. Default: found out by asking.")]
 Baud = Annotated[int, Parameter(help="The line's baud rate.")]
 Real = Annotated[bool, Parameter(negative="", help="Allow this on a physical servo.")]
