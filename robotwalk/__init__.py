@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from robotwalk.errors import BusError, ConfigError, RobotwalkError, SafetyStop, UsageError
 
 if TYPE_CHECKING:
+    from robotwalk.assembly import Script
     from robotwalk.robot import Robot
 
 __all__ = ["BusError", "ConfigError", "RobotwalkError", "SafetyStop", "UsageError", "__version__", "open"]
@@ -21,7 +22,8 @@ __version__ = "0.1.0"
 
 
 def open(
-    robot: str, *, real: bool = False, ports: Mapping[str, str] | None = None, rate_hz: int = 100, seed: int = 0
+    robot: str, *, real: bool = False, ports: Mapping[str, str] | None = None, rate_hz: int = 100, seed: int = 0,
+    faults: "Script" = (),
 ) -> "Robot":
     """Open a robot, by default in simulation. Use it in a `with` block.
 
@@ -31,14 +33,18 @@ def open(
         ports: URLs by the names of buses, in place of the file's; physical ones need `real` too.
         rate_hz: ticks per second.
         seed: of the simulation; equal seeds give equal runs.
+        faults: what goes wrong in the simulation: the path of a script, or a list such as
+            `[{"at": 0, "fault": "drop_reply", "rate": 0.05}]`; `robotwalk list faults` explains them.
 
     Raises:
-        UsageError: no such robot or bus, or a physical port without `real`.
+        UsageError: no such robot or bus, a physical port without `real`, or faults without a simulation.
         ConfigError: a file is wrong; says where.
         BusError: a port does not open.
     """
     from robotwalk import assembly  # its imports take their time
 
+    if (real or ports) and faults:
+        raise UsageError("faults befall a simulation; there is none behind a port")
     if real or ports:
         return assembly.connect(robot, ports or {}, real=real, rate_hz=rate_hz).robot
-    return assembly.simulate(robot, rate_hz=rate_hz, seed=seed).robot
+    return assembly.simulate(robot, rate_hz=rate_hz, seed=seed, faults=faults).robot

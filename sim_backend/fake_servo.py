@@ -22,19 +22,19 @@ class FakeServo(ABC):
         id: what it answers to.
         return_delay_ns: from the end of an instruction to the answer.
         later_ids_answer: whether it answers a sync read behind a silent servo.
-        interference: what happens to its answers on their way to the wire, if anything; None drops one.
+        interferences: what happens to its answers on their way to the wire, one after the other; None drops one.
     """
 
     def __init__(self, physics: ServoPhysics, index: int, table: ControlTable) -> None:
         self.model = physics.models[index]
         self.later_ids_answer = self.model.firmware.later_ids_answer
-        self.interference: Interference | None = None
+        self.interferences: list[Interference] = []
         self.table = table
         self._physics, self._index = physics, index
         self._delay_unit_ns = round(self.model["return_delay_time"].scale * 1e3)  # from us
         self._turned = 0  # ticks, whole turns taken off the position
         self._sensed: list[int] | None = None
-        self._wakes_at = 0
+        self._wakes_at: float = 0  # ns
         self._awake = False
 
     def _set_up(self, settings: Mapping[str, int]) -> None:
@@ -56,6 +56,10 @@ class FakeServo(ABC):
         """Bring the registers to what they are at power-up, and let go of the shaft."""
 
     @abstractmethod
+    def _configure(self) -> None:
+        """Take over settings that are looked at often."""
+
+    @abstractmethod
     def _start(self, now: int) -> None:
         """Begin to work."""
 
@@ -73,13 +77,32 @@ class FakeServo(ABC):
 
     def utter(self, reply: Reply) -> Reply | None:
         """Return what of an answer goes onto the wire."""
-        return reply if self.interference is None else self.interference(reply)
+        said: Reply | None = reply
+        for interfere in self.interferences:
+            if said is not None:
+                said = interfere(said)
+        return said
 
     def reboot(self, now: int) -> None:
         """Start afresh, as at power-up: limp and deaf at once, back after a while."""
+        self.lose_power(now, 0.0)
+
+    def lose_power(self, now: int, seconds: float) -> None:
+        """Be without power for so long, then start: limp and deaf at once, back after both."""
         self._reset()
         self._awake = False
-        self._wakes_at = now + round(self.model.firmware.reboot_s * _NS)
+        self._wakes_at = now + (seconds + self.model.firmware.reboot_s) * _NS
+
+    def answer_to(self, servo_id: int) -> None:
+        """Have another id from now on."""
+        self.table.assign(self.model["id"], servo_id)
+        self._configure()
+
+    def run_firmware(self, version: int) -> None:
+        """Have another version of the firmware; of a version in two parts, another first part."""
+        name = next(register.name for register in self.model.registers if register.name.startswith("firmware_"))
+        self.table.assign(self.model[name], version)
+        self._configure()
 
     def _is_awake(self, now: int) -> bool:
         if not self._awake and now >= self._wakes_at:

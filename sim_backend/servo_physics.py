@@ -12,6 +12,7 @@ registers make of them is the firmware's. Friction and armature act in MuJoCo. N
 firmware's own sampling period, which is the physics step.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -109,6 +110,7 @@ class ServoPhysics:
         self._rows = np.zeros((len(Present._fields), count))
         self._present: list[list[int]] | None = None
         self._supervisors: dict[int, Supervisor] = {}
+        self.strained: set[int] = set()  # servos whose firmware takes the motor for fully driven
         self._now = 0
         self._supervise_at = 0
 
@@ -150,6 +152,8 @@ class ServoPhysics:
     def _supervise(self) -> None:
         self._supervise_at = self._now + _SUPERVISION_NS
         duty, current = self.duty.tolist(), self.current.tolist()
+        for index in self.strained:
+            duty[index] = math.copysign(1.0, duty[index])
         supply, temperature = self.supply_v.tolist(), self.temperature_c.tolist()
         for index, supervisor in self._supervisors.items():
             supervisor(self._now, duty[index], current[index], supply[index], temperature[index])

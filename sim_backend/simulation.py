@@ -29,7 +29,7 @@ class SimulatedRobot:
     """A seated robot, torque off, whose servos have return delay 0.
 
     Time passes only in `clock.wait`. Each of `ports` is the host's end of one bus; `observers` are called after
-    every physics step.
+    every physics step. `joints` and `buses` tell what each of `servos` moves and which bus it is on.
     """
 
     def __init__(
@@ -42,6 +42,8 @@ class SimulatedRobot:
             ValueError: a bus has a baud that its servos do not have, or servos of two protocols.
         """
         self.clock = SimulatedClock()
+        self.joints = model.joint_names
+        self.buses = tuple(servo.bus for servo in servos)
         self.physics = ServoPhysics([servo.model for servo in servos])
         self.world = World(
             model, self.physics, [servo.mounting for servo in servos], seated, rate_hz=rate_hz, seed=seed)

@@ -14,6 +14,7 @@ class SimulatedPort:
     Attributes:
         device: what hangs on the far end.
         baud: of what is sent from now on, and of the replies to it.
+        cuts: in the line between host and servos; with any, neither hears the other.
     """
 
     def __init__(self, clock: SimulatedClock, device: Device, baud: int, adapter: Adapter | None = None) -> None:
@@ -21,6 +22,7 @@ class SimulatedPort:
         self._clock = clock
         self.device = device
         self.baud = baud
+        self.cuts = 0
         self._adapter = adapter or Adapter()
         self._sent_at = 0  # ns, when the last byte sent has left
         self._answered_at = 0  # ns, when the last byte of all answers so far is through
@@ -52,7 +54,16 @@ class SimulatedPort:
     def close(self) -> None:
         """Do nothing: there is no port to give back."""
 
+    def disturb(self, noise: bytes) -> None:
+        """Put bytes onto the wire that nobody sent: behind what is being said, and all that follows waits."""
+        burst = Burst(max(self._clock.now(), self._sent_at, self._answered_at), self.baud, noise)
+        self._sent_at = self._answered_at = burst.through(len(noise))
+        self._expect(burst)
+        self._clock.schedule(self._sent_at, lambda: self._deliver(burst))
+
     def _deliver(self, burst: Burst) -> None:
+        if self.cuts:
+            return
         time = self._clock.now()
         for delay, reply in self.device.receive(burst.data, time, burst.baud):
             answer = Burst(max(time + delay, self._answered_at), burst.baud, reply)

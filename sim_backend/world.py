@@ -6,7 +6,7 @@ of magnitude less than MuJoCo's defaults. Not modelled here: legs colliding with
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import mujoco
@@ -79,6 +79,7 @@ class World:
         self.model.dof_solref[6:, 0] = 2.0 * spec.option.timestep
         self._feet = [self.model.geom(f"{leg.name}_foot").id for leg in model.legs]
         self._ground = self.model.geom("ground").id
+        self._base = self.model.body("base").id
         self._yaw = 0.0
         self._steps = 0
         self.data.qpos[2] = 0.5 * model.body_box.z
@@ -97,6 +98,21 @@ class World:
         shaft = (self.data.qpos[7:] - self._zero) * self._direction
         speed = self.data.qvel[6:] * self._direction
         self.data.qfrc_applied[6:] = self._servos.step(shaft, speed, now) * self._direction
+
+    def push(self, force: Vec3) -> None:
+        """Have another force act on the middle of the body from now on: N, in the world's frame."""
+        self.data.xfrc_applied[self._base, :3] += force
+
+    def jam(self, joint: int) -> Callable[[], None]:
+        """Jam a joint, by its number, where it is; return what sets it free: its stops close on it."""
+        at = 1 + joint  # behind the free one
+        ranges, stiffness = self.model.jnt_range[at].copy(), self.model.jnt_solref[at].copy()
+        self.model.jnt_range[at] = self.data.qpos[7 + joint]
+        self.model.jnt_solref[at, 0] = 2.0 * self.model.opt.timestep
+
+        def release() -> None:
+            self.model.jnt_range[at], self.model.jnt_solref[at] = ranges, stiffness
+        return release
 
     def truth(self) -> Truth:
         """Return what is the case now."""

@@ -18,3 +18,5 @@ from robotwalk.assembly.simulated import simulate as simulate
 from robotwalk.assembly.simulated import simulated_robot as simulated_robot
 from robotwalk.assembly.simulated import viewer as viewer
 from sim_backend.adapter import AdapterName as AdapterName  # which the command line offers
+from sim_backend.faults.script import Script as Script
+from sim_backend.faults.script import explain_faults as explain_faults

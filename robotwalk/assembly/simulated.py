@@ -11,6 +11,7 @@ from robotwalk.assembly.session import RATE_HZ, Session, check_rate, open_log, r
 from robotwalk.errors import UsageError
 from robotwalk.kinematics import resting_angles
 from sim_backend.adapter import AdapterName
+from sim_backend.faults.script import Script, read_script, stage
 
 if TYPE_CHECKING:
     from sim_backend.film import Film
@@ -25,8 +26,10 @@ class Simulation(Session):
     world: "SimulatedRobot"
 
 
-def simulate(robot: str | Blueprint, *, rate_hz: int = RATE_HZ, seed: int = 0, log: Path | None = None) -> Simulation:
-    """Put a robot into a simulated world, in lock-step: seated, torque off.
+def simulate(
+    robot: str | Blueprint, *, rate_hz: int = RATE_HZ, seed: int = 0, log: Path | None = None, faults: Script = (),
+) -> Simulation:
+    """Put a robot into a simulated world, in lock-step: seated, torque off. `faults` will befall it.
 
     Raises:
         UsageError: no such robot, an impossible rate, or a log that cannot be written.
@@ -36,32 +39,39 @@ def simulate(robot: str | Blueprint, *, rate_hz: int = RATE_HZ, seed: int = 0, l
     check_rate(rate_hz)
     if seed < 0:
         raise UsageError(f"a seed is a whole number from 0 on, not {seed}")
-    world = simulated_robot(blueprint, rate_hz, seed)
+    world = simulated_robot(blueprint, rate_hz, seed, faults=faults)
     recorder = open_log(log, blueprint, rate_hz, {"seed": str(seed)})
     walker, bus = robot_of(blueprint, world.clock, world.ports, rate_hz, recorder)
     return Simulation(blueprint, walker, bus, world.clock, world)
 
 
 def simulated_robot(
-    blueprint: Blueprint, rate_hz: int, seed: int, adapter: AdapterName = "none"
+    blueprint: Blueprint, rate_hz: int, seed: int, adapter: AdapterName = "none", faults: Script = ()
 ) -> "SimulatedRobot":
-    """Build a simulated robot, seated, torque off, with nothing that controls it."""
+    """Build a simulated robot, seated, torque off, with nothing that controls it. `faults` will befall it.
+
+    Raises:
+        ConfigError: the faults are wrong; says where.
+    """
     from sim_backend.simulation import SimulatedRobot, SimulatedServo
     from sim_backend.world import Mounting
 
+    script = read_script(faults, {joint: row.bus for joint, row in blueprint.hardware.joints.items()})
     servos = []
     for joint in blueprint.model.joint_names:
         row = blueprint.hardware.joints[joint]
         mounting = Mounting(row.direction, math.radians(row.zero_deg))
         servos.append(SimulatedServo(row.bus, row.id, blueprint.servos[row.servo], mounting))
     seated = resting_angles(blueprint.model, 0.5 * blueprint.model.body_box.z)
-    return SimulatedRobot(
+    world = SimulatedRobot(
         blueprint.model, servos, blueprint.bauds, seated, rate_hz=rate_hz, seed=seed, adapter=adapter)
+    stage(world, script, seed)
+    return world
 
 
 def serve(
-    robot: str, *, pty: Path | None, tcp: str | None, adapter: AdapterName, seed: int, truth: Path | None,
-    seconds: float | None, ready: Callable[[dict[str, str]], None], check: Callable[[], None],
+    robot: str, *, pty: Path | None, tcp: str | None, adapter: AdapterName, seed: int, faults: Script,
+    truth: Path | None, seconds: float | None, ready: Callable[[dict[str, str]], None], check: Callable[[], None],
     warn: Callable[[str], None],
 ) -> None:
     """Serve a simulated robot in real time, as terminals in the folder `pty` or else at the address `tcp`.
@@ -81,7 +91,7 @@ def serve(
     blueprint = load(robot)
     bauds = blueprint.bauds
     doors = open_ptys(pty, bauds) if pty is not None else open_sockets(parse_address(tcp or ""), bauds)
-    world = simulated_robot(blueprint, RATE_HZ, seed, adapter)
+    world = simulated_robot(blueprint, RATE_HZ, seed, adapter, faults)
     serve(world, blueprint.model, doors, truth=truth, seconds=seconds, ready=ready, check=check, warn=warn)
 
 

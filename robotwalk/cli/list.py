@@ -1,15 +1,16 @@
 """`robotwalk list`: what is bundled."""
 
+from textwrap import fill
 from typing import Annotated, Any
 
 from cyclopts import App, Parameter
 
 from robotwalk import assembly
-from robotwalk.cli.output import write_json, write_table
+from robotwalk.cli.output import say, write_json, write_table
 from robotwalk.config import library
 from robotwalk.config.schema import GaitConfig, RobotConfig
 
-app = App(name="list", help="List the bundled robots, servos or gaits.")
+app = App(name="list", help="List the bundled robots, servos or gaits, or the faults of a simulation.")
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="one JSON object on stdout")]
 
@@ -47,6 +48,21 @@ def gaits(*, json: Json = False) -> None:
         fits = [robot for robot, legs in feet.items() if legs == set(gait.swing)]
         rows.append({"name": gait.name, "description": gait.description, "robots": fits})
     _show("gaits", rows, json)
+
+
+@app.command
+def faults(*, json: Json = False) -> None:
+    """List the faults that a script for --faults may hold, with their keys."""
+    rows = assembly.explain_faults()
+    if json:
+        write_json({"faults": rows})
+        return
+    for row in rows:
+        say(f"{row['name']}\n{fill(row['description'], 100, initial_indent='    ', subsequent_indent='    ')}")
+        for key, facts in row["keys"].items():
+            default = "" if facts.get("default") is None else f", {facts['default']} if left out"
+            say(f"        {key + ('' if facts['required'] else '?'):15}{facts['description']}{default}")
+    say("A script is a YAML list of these, each as {fault: NAME, at: SECONDS, ...}; a key with ? may be left out.")
 
 
 def _robot(name: str) -> RobotConfig:

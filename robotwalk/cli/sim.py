@@ -21,6 +21,7 @@ def sim(
     truth: Path | None = None,
     duration: float | None = None,
     seed: int = 0,
+    faults: Path | None = None,
 ) -> None:
     """Serve the simulated robot as a device in real time: seated, torque off, one serial port per bus.
 
@@ -42,6 +43,8 @@ def sim(
         Seconds; default: until told to end.
     seed
         Of the simulation.
+    faults
+        What goes wrong, and when: a YAML file (see `robotwalk list faults`). It serves from 0.1 simulated seconds on.
     """
     if (pty is None) == (tcp is None):
         raise UsageError("say where to serve: either --pty DIR or --tcp HOST:PORT")
@@ -53,7 +56,7 @@ def sim(
     interrupts.install()
     try:
         assembly.serve(
-            robot, pty=pty, tcp=tcp, adapter=adapter, seed=seed, truth=truth, seconds=duration,
+            robot, pty=pty, tcp=tcp, adapter=adapter, seed=seed, faults=faults or (), truth=truth, seconds=duration,
             ready=_announce, check=interrupts.check, warn=complain)
     finally:
         interrupts.restore()

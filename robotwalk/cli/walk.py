@@ -29,6 +29,7 @@ def walk(
     duration: float = 10.0,
     rate: int = assembly.RATE_HZ,
     seed: int = 0,
+    faults: Path | None = None,
     port: list[str] | None = None,
     real: Annotated[bool, Flag] = False,
     hang: Annotated[bool, Flag] = False,
@@ -61,6 +62,8 @@ def walk(
         Ticks per second.
     seed
         Of the simulation. Equal seeds give equal runs.
+    faults
+        What goes wrong in the simulation, and when: a YAML file (see `robotwalk list faults`).
     port
         BUS=URL: walk what is on this line, in real time. Once for each bus.
     real
@@ -85,6 +88,8 @@ def walk(
         raise UsageError("--hang is for a robot on a bus: name it with --port, or say --real")
     if on_bus and (view or gif is not None):
         raise UsageError("--gif and --view show a simulation; there is none behind a port")
+    if on_bus and faults is not None:
+        raise UsageError("--faults befall a simulation; there is none behind a port")
     if gif is not None:
         assembly.check_film(gif)
     blueprint = assembly.load(robot)
@@ -97,7 +102,7 @@ def walk(
     if on_bus:
         session = assembly.connect(blueprint, ports, real=real, rate_hz=rate, log=log, torque=_HANGING if hang else 1.0)
     else:
-        session = assembly.simulate(blueprint, rate_hz=rate, seed=seed, log=log)
+        session = assembly.simulate(blueprint, rate_hz=rate, seed=seed, log=log, faults=faults or ())
     outing = Outing(session, plan, film=gif is not None, view=view)
     code = _go(outing)
     code = _tell(outing.report(), json, code)

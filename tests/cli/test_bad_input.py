@@ -31,6 +31,8 @@ HEXAPOD = (library.root() / "robots" / "hexapod.yaml").read_text()
     (["walk", "hexapod", "--port", "legs=/dev/nosuch"], 4, "cannot open /dev/nosuch: there is no such port"),
     (["walk", "hexapod", "--port", "legs=socket://localhost"], 4, "this is no address of a port"),
     (["walk", "hexapod", "--port", "legs=/dev/null", "--gif", "a.gif"], 2, "--gif and --view show a simulation"),
+    (["walk", "hexapod", "--port", "legs=/dev/null", "--faults", "a.yaml"], 2, "--faults befall a simulation"),
+    (["walk", "hexapod", "--faults", "missing.yaml"], 3, "missing.yaml: cannot be read: No such file or directory"),
     (["walk", "hexapod", "--hang"], 2, "--hang is for a robot on a bus"),
     (["check", "hexapod", "--rate", "0"], 2, "the rate should be 10 to 1000 Hz, not 0"),
     (["bench", "sim", "--seconds", "0"], 2, "--seconds should be above 0"),

@@ -23,7 +23,7 @@ def test_help_names_the_commands_and_the_exit_codes(robotwalk: Run) -> None:
 def test_walk_help_explains_every_option(robotwalk: Run) -> None:
     out = robotwalk("walk", "--help").out
     for option in ("--gait", "--speed", "--direction", "--heading", "--turn", "--height", "--duration", "--rate",
-                   "--seed", "--log", "--gif", "--view", "--json"):
+                   "--seed", "--faults", "--log", "--gif", "--view", "--json"):
         assert option in out
 
 
@@ -86,6 +86,23 @@ def test_list_names_everything_that_is_bundled(robotwalk: Run, kind: library.Kin
     assert [row["name"] for row in listed[kind]] == names
     table = robotwalk("list", kind).out
     assert all(name in table for name in names)
+
+
+def test_list_faults_explains_what_a_script_may_hold(robotwalk: Run) -> None:
+    rows = {row["name"]: row for row in robotwalk("list", "faults", "--json").json["faults"]}
+    assert rows["drop_reply"]["keys"]["rate"] == {
+        "description": "share of each servo's replies", "required": False, "default": 1.0}
+    shown = robotwalk("list", "faults").out
+    for name, row in rows.items():
+        assert f"{name}\n" in shown
+        assert all(f"  {key}" in shown for key in row["keys"])
+
+
+def test_a_script_of_faults_befalls_a_walk(robotwalk: Run, tmp_path: Path) -> None:
+    (tmp_path / "faults.yaml").write_text("- {at: 3, for: 0.3, fault: drop_reply, joint: rr_tibia}\n")
+    report = robotwalk("walk", "hexapod", "--duration", "2", "--faults", "faults.yaml", "--json").json
+    assert report["bus"]["legs"]["lost_replies"] >= 29
+    assert not report["fell"]
 
 
 def test_list_gaits_tells_which_robots_each_fits(robotwalk: Run) -> None:

@@ -90,7 +90,7 @@ def test_a_dropped_answer_is_a_silent_servo_to_those_behind(
     servos, device = bus(name, later_ids_answer=patient)
     whole = heard(device, instruction)
     assert len(whole) == 3
-    servos[1].interference = swallow
+    servos[1].interferences = [swallow]
     assert heard(device, instruction) == [whole[index] for index in left]
 
 
@@ -101,7 +101,7 @@ def test_those_behind_a_garbled_or_late_answer_go_on(
 ) -> None:
     servos, device = bus(name)
     first, second, third = heard(device, instruction)
-    servos[1].interference = change
+    servos[1].interferences = [change]
     assert heard(device, instruction) == [first, change(second), third]
 
 
@@ -109,12 +109,12 @@ def test_each_block_of_a_fast_read_is_one_answer() -> None:
     servos, device = bus("xl430-w250")
     [(_, frame)] = heard(device, FAST_SYNC_READ)
     assert len(frame) == 8 + 3 * 8
-    servos[1].interference = flip_first
+    servos[1].interferences = [flip_first]
     assert heard(device, FAST_SYNC_READ) == [
         Reply(0, frame[:16] + bytes([frame[16] ^ 0x80]) + frame[17:])], "the CRCs behind are as they were said"
-    servos[1].interference = late
+    servos[1].interferences = [late]
     assert heard(device, FAST_SYNC_READ) == [Reply(0, frame[:16]), Reply(70_000, frame[16:])]
-    servos[1].interference = swallow
+    servos[1].interferences = [swallow]
     assert heard(device, FAST_SYNC_READ) == [Reply(0, frame[:16])]
-    servos[0].interference = swallow
+    servos[0].interferences = [swallow]
     assert heard(device, FAST_SYNC_READ) == []
