@@ -8,7 +8,7 @@ def response(model: ServoModel) -> DriveResponse:
     """Return the small-signal response of a servo's position loop at its rated voltage and default gain.
 
     The loop makes a spring of stiffness k = kt V / R x (duty per rad) against the armature; back-EMF and
-    viscous friction damp it. The load's inertia and Coulomb friction are left out.
+    viscous friction damp it, Coulomb friction holds it back. The load is left out.
     """
     loop, motor = model.position_loop, model.motor
     gain = model[loop.proportional].default or 0
@@ -18,5 +18,6 @@ def response(model: ServoModel) -> DriveResponse:
     return DriveResponse(
         damping=(motor.back_emf_damping + motor.viscous_nms) / stiffness,
         inertia=motor.armature_kgm2 / stiffness,
+        friction=motor.coulomb_nm / stiffness,
         max_speed=rated.no_load_speed,
     )

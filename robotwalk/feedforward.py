@@ -1,13 +1,16 @@
 """Goals that make a servo arrive where it should be, when it should.
 
-A position servo near rest is a spring, a damper and a mass: it follows its goal with the lag and the overshoot
-of `goal = q + damping q' + inertia q''`. Sending that goal for the wanted q undoes both. Without it a walking
-robot strides longer than told: the joints overshoot, they do not merely lag.
+A position servo near rest is a spring, a damper and a mass with dry friction: it follows its goal with the lag and
+the overshoot of `goal = q + damping q' + inertia q'' + friction sgn q'`. Sending that goal for the wanted q undoes
+them. Without it a walking robot strides longer than told where the joints overshoot, and shorter where a soft servo
+loses some of its way to friction at each turn.
 """
 
 from collections.abc import Sequence
 
 from robotwalk.types import DriveResponse
+
+_CREEP = 0.1  # rad/s, below which friction is overcome in part only: sgn without its step
 
 
 class Feedforward:
@@ -28,6 +31,8 @@ class Feedforward:
         for q, q1, q2, response in zip(wanted, self._last, self._before, self._responses, strict=True):
             speed = (q - q1) / dt
             acceleration = (q - 2.0 * q1 + q2) / (dt * dt)
-            goals.append(q + response.damping * speed + response.inertia * acceleration)
+            direction = min(max(speed / _CREEP, -1.0), 1.0)
+            goals.append(
+                q + response.damping * speed + response.inertia * acceleration + response.friction * direction)
         self._before, self._last = self._last, wanted
         return goals

@@ -62,10 +62,11 @@ class JointState(NamedTuple):
 
 
 class DriveResponse(NamedTuple):
-    """How a joint's position servo follows a goal near rest: goal = q + damping q' + inertia q''."""
+    """How a joint's position servo follows a goal near rest: goal = q + damping q' + inertia q'' + friction sgn q'."""
 
     damping: float  # s
     inertia: float  # s^2
+    friction: float  # rad that the goal must be ahead for the joint to move at all
     max_speed: float  # rad/s without load
 
 

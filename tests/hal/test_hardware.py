@@ -62,8 +62,9 @@ def test_joints_and_servos_must_match() -> None:
 
 
 def test_the_response_of_an_xl430_is_the_one_worked_out_by_hand() -> None:
-    # k = 1.7462 / 13.46 x 11.1 V x 3.68 duty/rad = 5.30 N m/rad; (0.2265 + 0.008) / k; 0.010 / k.
+    # k = 1.7462 / 13.46 x 11.1 V x 3.68 duty/rad = 5.30 N m/rad; (0.2265 + 0.008) / k; 0.010 / k; 0.04 / k.
     drive = response(load_servo("xl430-w250"))
     assert drive.damping == pytest.approx(0.0442, abs=0.0003)
     assert drive.inertia == pytest.approx(0.001886, abs=0.00002)
+    assert drive.friction == pytest.approx(0.00754, abs=0.00005)
     assert drive.max_speed == pytest.approx(5.969, abs=0.001)

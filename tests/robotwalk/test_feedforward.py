@@ -8,7 +8,7 @@ from robotwalk.feedforward import Feedforward
 from robotwalk.types import DriveResponse
 
 DT, FINE = 0.01, 100
-DRIVE = DriveResponse(damping=0.05, inertia=0.0008, max_speed=6.0)
+DRIVE = DriveResponse(damping=0.05, inertia=0.0008, friction=0.0, max_speed=6.0)
 
 
 def least_jerk(seconds: float) -> float:
@@ -38,7 +38,7 @@ def test_a_servo_follows_much_closer_with_it() -> None:
 
 
 def test_the_goal_leads_by_damping_and_inertia() -> None:
-    forward = Feedforward([DRIVE, DriveResponse(0.0, 0.0, 6.0)])
+    forward = Feedforward([DRIVE, DriveResponse(0.0, 0.0, 0.0, 6.0)])
     forward.reset([0.1, 0.2])
     assert forward.step([0.1, 0.2], DT) == pytest.approx([0.1, 0.2])
     # From rest to 1 rad/s in one tick: 0.05 s x 1 rad/s and 0.0008 s^2 x 100 rad/s^2 ahead.
@@ -46,6 +46,14 @@ def test_the_goal_leads_by_damping_and_inertia() -> None:
     assert forward.step([0.12, 0.22], DT) == pytest.approx([0.12 + 0.05, 0.22])
     assert forward.step([0.12, 0.22], DT) == pytest.approx([0.12 - 0.08, 0.22])
     assert forward.step([0.12, 0.22], DT) == pytest.approx([0.12, 0.22])
+
+
+def test_the_goal_leads_by_friction_in_the_direction_of_motion_and_not_at_rest() -> None:
+    forward = Feedforward([DriveResponse(0.0, 0.0, 0.02, 6.0)])
+    forward.reset([0.0])
+    assert [forward.step([q], DT)[0] for q in (0.01, 0.0, 0.0)] == pytest.approx([0.01 + 0.02, -0.02, 0.0])
+    # Slower than 0.1 rad/s, a share of it: there is no step as a joint starts or turns back.
+    assert forward.step([0.0005], DT)[0] == pytest.approx(0.0005 + 0.5 * 0.02)
 
 
 def test_reset_forgets_the_motion_before() -> None:
