@@ -11,7 +11,7 @@ from enum import StrEnum
 from functools import cached_property
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from hal.firmware_switches import AxFirmware as AxFirmware
 from hal.firmware_switches import DynamixelFirmware as DynamixelFirmware
@@ -72,6 +72,14 @@ class Register(Row):
     def si_scale(self) -> float:
         """The value of one count in the unit's SI counterpart."""
         return self.scale * _SI_UNITS.get(self.unit, 1.0)
+
+
+def _by_address(registers: tuple[Register, ...]) -> tuple[Register, ...]:
+    return tuple(sorted(registers, key=lambda register: register.address))
+
+
+def _overlaps(by_address: tuple[Register, ...]) -> Iterator[tuple[Register, Register]]:
+    return ((before, after) for before, after in itertools.pairwise(by_address) if before.end > after.address)
 
 
 class Block(NamedTuple):
@@ -209,8 +217,15 @@ class ComplianceLoop(Row):
         return 1.0 / counts
 
 
+class OlderFirmware(Row):
+    """What the control table was before some version of the firmware."""
+
+    below: Annotated[int, Field(ge=0, le=255)]
+    registers: tuple[Register, ...]  # in place of those of their names, or more
+
+
 class ServoModel(Row):
-    """One file of `configs/servos`."""
+    """One file of `configs/servos`, with what it is based on (`robotwalk.config.inheritance`)."""
 
     schema_version: Annotated[Literal[1], Field(alias="schema")]
     name: str
@@ -219,7 +234,8 @@ class ServoModel(Row):
     byte_order: ByteOrder = "little"
     model_number: int
     sync_read: bool = True  # whether one instruction can read many of these servos
-    fast_sync_read_firmware: int | None  # the first firmware that has it; None: none has
+    fast_sync_read_firmware: int | None  # the first firmware that has it, and the fast bulk read; None: none has
+    backup_firmware: int | None = None  # the first firmware that keeps a copy of its control table; None: none does
     baud_by_value: Annotated[Mapping[int, int], Field(alias="baud_rates", min_length=1)]  # of the baud_rate register
     encoder: Encoder
     cyclic: Cyclic
@@ -227,7 +243,8 @@ class ServoModel(Row):
     motor: Motor
     position_loop: PositionLoop | ComplianceLoop
     firmware: Annotated[DynamixelFirmware | AxFirmware | StsFirmware | ScsFirmware, Field(discriminator="kind")]
-    registers: tuple[Register, ...]
+    registers: Annotated[tuple[Register, ...], AfterValidator(_by_address)]
+    older_firmware: tuple[OlderFirmware, ...] = ()
 
     @cached_property
     def by_name(self) -> dict[str, Register]:
@@ -247,6 +264,19 @@ class ServoModel(Row):
 
     def __getitem__(self, name: str) -> Register:
         return self.by_name[name]
+
+    def at_firmware(self, version: int) -> "ServoModel":
+        """Return the model with the registers that it has at a version of its firmware."""
+        before = [older for older in self.older_firmware if version < older.below]
+        if not before:
+            return self
+        rows = self._registers_before(min(before, key=lambda older: older.below))
+        fields = {field.alias or name: getattr(self, name) for name, field in type(self).model_fields.items()}
+        return ServoModel.model_validate({**fields, "registers": rows, "older_firmware": ()})
+
+    def _registers_before(self, older: OlderFirmware) -> tuple[Register, ...]:
+        rows = self.by_name | {register.name: register for register in older.registers}
+        return _by_address(tuple(rows.values()))
 
     @property
     def baud_rates(self) -> ValuesView[int]:
@@ -286,10 +316,13 @@ class ServoModel(Row):
         if len(self.by_name) != len(self.registers):
             names = [register.name for register in self.registers]
             yield f"register names must be unique: {sorted({n for n in names if names.count(n) > 1})}"
-        rows = sorted(self.registers, key=lambda register: register.address)
-        for before, after in itertools.pairwise(rows):
-            if before.end > after.address:
-                yield f"registers {before.name} and {after.name} overlap at address {after.address}"
+        for before, after in _overlaps(self.registers):
+            yield f"registers {before.name} and {after.name} overlap at address {after.address}"
+        for older in self.older_firmware:
+            for before, after in _overlaps(self._registers_before(older)):
+                yield (
+                    f"below firmware {older.below}, registers {before.name} and {after.name} overlap at "
+                    f"address {after.address}")
         cyclic = self.cyclic
         needed = (
             cyclic.goal, cyclic.effort, cyclic.velocity, cyclic.position, cyclic.torque_cap,

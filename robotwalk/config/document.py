@@ -41,11 +41,18 @@ _EXPECTED = {
 }
 
 
-class _Problem(NamedTuple):
-    """One complaint; sorts by its place in the file."""
+class _Place(NamedTuple):
+    """Where something stands; a document that is based on another one holds parts from both files."""
 
+    file: str
     line: int
     column: int
+
+
+class _Problem(NamedTuple):
+    """One complaint; sorts by its place."""
+
+    place: _Place
     path: KeyPath
     text: str
 
@@ -55,14 +62,20 @@ class Document:
 
     Attributes:
         name: what complaints call it.
-        text: all of it.
+        text: all of the file.
+        root: its nodes, each with its place; None if it is empty.
     """
 
     def __init__(self, name: str, text: str, root: yaml.Node | None, content: Any) -> None:
         self.name = name
         self.text = text
-        self._root = root
+        self.root = root
         self._content = content
+
+    @classmethod
+    def from_nodes(cls, name: str, text: str, root: yaml.Node | None) -> "Document":
+        """Return the document of nodes in which `parse` found no flaw."""
+        return cls(name, text, root, yaml.SafeLoader("").construct_document(root) if root else None)
 
     @classmethod
     def read(cls, path: Path) -> "Document":
@@ -76,7 +89,7 @@ class Document:
         except UnicodeDecodeError as error:
             before = data[: error.start].decode("utf-8-sig")
             problem = f"expected UTF-8 text (got byte 0x{data[error.start]:02x})"
-            raise _config_error(str(path), [_Problem(*_end(before), (), problem)]) from error
+            raise _config_error([_Problem(_end(str(path), before), (), problem)]) from error
         return cls.parse(text, str(path))
 
     @classmethod
@@ -84,20 +97,20 @@ class Document:
         """Read `text`, which complaints are to call `name`. Raises ConfigError as `read` does."""
         try:
             loader = yaml.SafeLoader(text)
+            loader.name = name  # which every mark repeats
             root = loader.get_single_node()
             flaws = list(_flaws(loader, root, (), (), set())) if root else []
-            content = loader.construct_document(root) if root and not flaws else None
+            if not flaws:
+                return cls.from_nodes(name, text, root)
         except ReaderError as error:
             problem = f"not valid YAML: character {chr(error.character)!r} is not allowed"
-            flaws = [_Problem(*_end(text[: error.position]), (), problem)]
+            flaws = [_Problem(_end(name, text[: error.position]), (), problem)]
         except yaml.MarkedYAMLError as error:
             words = ", ".join(filter(None, (error.context, error.problem)))
-            flaws = [_Problem(*_place(error.problem_mark), (), f"not valid YAML: {words}")]
+            flaws = [_Problem(_place(error.problem_mark), (), f"not valid YAML: {words}")]
         except RecursionError:
-            flaws = [_Problem(1, 1, (), "nested too deeply")]
-        if flaws:
-            raise _config_error(name, flaws)
-        return cls(name, text, root, content)
+            flaws = [_Problem(_Place(name, 1, 1), (), "nested too deeply")]
+        raise _config_error(flaws)
 
     def value(self, path: KeyPath) -> Any:
         """Return what is at `path`. Raises ConfigError if nothing is."""
@@ -120,17 +133,17 @@ class Document:
             (*path[:-1], _nearest(path[-1], schemas))
             for path, schemas in (_follow(model, d["loc"]) for d in details if d["type"] == "extra_forbidden")}
         details = [d for d in details if d["type"] != "missing" or _follow(model, d["loc"])[0] not in meant]
-        raise _config_error(self.name, [self._problem(model, at, detail) for detail in details])
+        raise _config_error([self._problem(model, at, detail) for detail in details])
 
     def error(self, path: KeyPath, problem: str, got: object = ...) -> ConfigError:
         """Return the error that says `problem` of what is at `path`, or of its nearest ancestor."""
-        return _config_error(self.name, [_Problem(*self._position(path), path, problem + _got(got))])
+        return _config_error([_Problem(self._position(path), path, problem + _got(got))])
 
-    def _position(self, path: KeyPath, of_key: bool = False) -> tuple[int, int]:
-        """Return line and column of the value at `path`, or of the key that holds it."""
-        if self._root is None:
-            return 1, 1
-        key = value = self._root
+    def _position(self, path: KeyPath, of_key: bool = False) -> _Place:
+        """Return where the value at `path` is, or the key that holds it."""
+        if self.root is None:
+            return _Place(self.name, 1, 1)
+        key = value = self.root
         for step in path:
             inside = _children(value)
             if step not in inside:
@@ -143,11 +156,11 @@ class Document:
         path, schemas = _follow(model, detail["loc"])
         path = at + path
         if detail["type"] == "missing":
-            return _Problem(*self._position(path[:-1]), path[:-1], _missing(path[-1]))
+            return _Problem(self._position(path[:-1]), path[:-1], _missing(path[-1]))
         if detail["type"] == "extra_forbidden":
-            return _Problem(*self._position(path, of_key=True), path[:-1], _unknown(path[-1], schemas))
+            return _Problem(self._position(path, of_key=True), path[:-1], _unknown(path[-1], schemas))
         of_key = detail["loc"][-1:] == ("[key]",)
-        return _Problem(*self._position(path, of_key), path, _wrong_value(detail))
+        return _Problem(self._position(path, of_key), path, _wrong_value(detail))
 
 
 def _flaws(
@@ -155,7 +168,7 @@ def _flaws(
 ) -> Iterator[_Problem]:
     """Find what YAML allows and we do not, in every node once."""
     if node in above:
-        yield _Problem(*_place(node.start_mark), path, "an alias stands for something that contains it")
+        yield _Problem(_place(node.start_mark), path, "an alias stands for something that contains it")
     if id(node) in seen:
         return
     seen.add(id(node))
@@ -163,13 +176,13 @@ def _flaws(
         yield from _key_flaws(node, path)
     if isinstance(node, yaml.CollectionNode):
         if node.tag not in (_TAG + "map", _TAG + "seq"):
-            yield _Problem(*_place(node.start_mark), path, f"the tag {node.tag!r} is not known here")
+            yield _Problem(_place(node.start_mark), path, f"the tag {node.tag!r} is not known here")
     elif isinstance(node, yaml.ScalarNode):
         try:
             loader.construct_object(node)
         except (ValueError, LookupError, AttributeError):  # SafeLoader on `!!int x`, on 2026-02-31
             text = f"expected a value that fits {node.tag.replace(_TAG, '!!')}" + _got(node.value)
-            yield _Problem(*_place(node.start_mark), path, text)
+            yield _Problem(_place(node.start_mark), path, text)
     for step, (_, child) in _children(node).items():
         yield from _flaws(loader, child, (*path, step), (*above, node), seen)
 
@@ -178,15 +191,15 @@ def _key_flaws(node: yaml.MappingNode, path: KeyPath) -> Iterator[_Problem]:
     """Check that the keys of a mapping are text and are there once."""
     first: dict[str, int] = {}
     for key, _ in node.value:
-        line, column = _place(key.start_mark)
+        place = _place(key.start_mark)
         if not isinstance(key, yaml.ScalarNode) or key.tag not in (_TAG + "str", _MERGE):
             got = f" (got {key.value})" if isinstance(key, yaml.ScalarNode) else ""
-            yield _Problem(line, column, path, f"expected text as a key, in quotes if need be{got}")
+            yield _Problem(place, path, f"expected text as a key, in quotes if need be{got}")
         elif key.value in first:
             text = f"duplicate key {key.value!r}, which is on line {first[key.value]} already"
-            yield _Problem(line, column, path, text)
+            yield _Problem(place, path, text)
         else:
-            first[key.value] = line
+            first[key.value] = place.line
 
 
 def _children(node: yaml.Node) -> dict[str | int, tuple[yaml.Node, yaml.Node]]:
@@ -198,12 +211,12 @@ def _children(node: yaml.Node) -> dict[str | int, tuple[yaml.Node, yaml.Node]]:
     return {}
 
 
-def _place(mark: Any) -> tuple[int, int]:
-    return mark.line + 1, mark.column + 1
+def _place(mark: Any) -> _Place:
+    return _Place(mark.name, mark.line + 1, mark.column + 1)
 
 
-def _end(text: str) -> tuple[int, int]:
-    return text.count("\n") + 1, len(text) - text.rfind("\n")
+def _end(name: str, text: str) -> _Place:
+    return _Place(name, text.count("\n") + 1, len(text) - text.rfind("\n"))
 
 
 def _follow(model: Any, location: tuple[str | int, ...]) -> tuple[KeyPath, list[Any]]:
@@ -304,11 +317,12 @@ def _got(value: object) -> str:
     return f" (got {shown if len(shown) <= 60 else shown[:57] + '...'})"
 
 
-def _config_error(name: str, problems: Iterable[_Problem]) -> ConfigError:
-    ordered = sorted(problems, key=lambda problem: problem[:2])
-    return ConfigError("\n".join(_written(name, problem) for problem in ordered))
+def _config_error(problems: Iterable[_Problem]) -> ConfigError:
+    ordered = sorted(problems, key=lambda problem: problem.place)
+    return ConfigError("\n".join(map(_written, ordered)))
 
 
-def _written(name: str, problem: _Problem) -> str:
+def _written(problem: _Problem) -> str:
     path = ".".join(map(str, problem.path))
-    return f"{name}:{problem.line}:{problem.column}: {path}{': ' if path else ''}{problem.text}"
+    file, line, column = problem.place
+    return f"{file}:{line}:{column}: {path}{': ' if path else ''}{problem.text}"

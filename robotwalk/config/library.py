@@ -4,6 +4,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal
 
+from robotwalk.config import inheritance
 from robotwalk.config.document import Document
 from robotwalk.errors import UsageError
 
@@ -23,19 +24,36 @@ def names(kind: Kind) -> list[str]:
 
 
 def open_document(kind: Kind, name: str) -> Document:
-    """Read a bundled file by its name, or any file by its path.
+    """Read a bundled file by its name, or any file by its path; one of a servo together with what it is based on.
 
     Raises:
         UsageError: nothing of that name is bundled.
         ConfigError: the file cannot be read or is no YAML.
     """
+    return _open_servo(name, ()) if kind == "servos" else Document.read(_path(kind, name))
+
+
+def _open_servo(name: str, derived: tuple[str, ...]) -> Document:
+    """Read a servo's file; `derived` are those that are based on it."""
+    document = Document.read(_path("servos", name))
+
+    def open_base(base: str) -> Document:
+        if base in (*derived, name):
+            raise document.error(("base",), "a file cannot be based on itself", base)
+        try:
+            return _open_servo(base, (*derived, name))
+        except UsageError as error:
+            raise document.error(("base",), str(error)) from error
+
+    return inheritance.resolve(document, open_base)
+
+
+def _path(kind: Kind, name: str) -> Path:
     if name.endswith((".yaml", ".yml")) or "/" in name:
-        return Document.read(Path(name))
+        return Path(name)
     bundled = names(kind)
     if name not in bundled:
         near = get_close_matches(name, bundled, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"bundled are: {', '.join(bundled)}"
         raise UsageError(f"no {kind.removesuffix('s')} is named {name!r}; {hint}")
-    return Document.read(root() / kind / f"{name}.yaml")
-
-
+    return root() / kind / f"{name}.yaml"

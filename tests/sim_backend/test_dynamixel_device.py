@@ -1,19 +1,16 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
-import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
 from hal.register_map import ServoModel
+from robotwalk.config import library
 from sim_backend.device import Reply
 from sim_backend.dynamixel_device import DynamixelDevice
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.servo_physics import ServoPhysics
 
-CONFIG = Path(__file__).parents[2] / "configs" / "servos" / "xl430-w250.yaml"
-ROWS = yaml.safe_load(CONFIG.read_text())
+ROWS = library.open_document("servos", "xl430-w250").value(())
 MODEL = ServoModel.model_validate(ROWS)
 BAUD = 1_000_000
 MS = 1_000_000

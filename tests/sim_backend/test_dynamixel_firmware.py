@@ -1,17 +1,15 @@
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from hal.register_map import ServoModel
+from robotwalk.config import library
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.dynamixel_table import StatusError
 from sim_backend.servo_physics import ServoPhysics
 
-CONFIG = Path(__file__).parents[2] / "configs" / "servos" / "xl430-w250.yaml"
-ROWS = yaml.safe_load(CONFIG.read_text())
+ROWS = library.open_document("servos", "xl430-w250").value(())
 MS = 1_000_000
 TICK = 2.0 * np.pi / 4096  # rad
 

@@ -1,15 +1,12 @@
-from pathlib import Path
-
 import pytest
-import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hal.register_map import Memory, ServoModel
+from hal.register_map import Memory
+from robotwalk.assembly import load_servo
 from sim_backend.dynamixel_table import DynamixelTable, ErrorNumber, StatusError
 
-CONFIG = Path(__file__).parents[2] / "configs" / "servos" / "xl430-w250.yaml"
-MODEL = ServoModel.model_validate(yaml.safe_load(CONFIG.read_text()))
+MODEL = load_servo("xl430-w250")
 
 
 @pytest.fixture

@@ -2,20 +2,18 @@ import copy
 import itertools
 import math
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from hal.register_map import Register, ServoModel
+from robotwalk.config import library
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.servo_physics import ServoPhysics
 
 from .rig import MS, Hinge, Registers, Turning
 
-CONFIG = Path(__file__).parents[2] / "configs" / "servos" / "xl430-w250.yaml"
-ROWS = yaml.safe_load(CONFIG.read_text())
+ROWS = library.open_document("servos", "xl430-w250").value(())
 TICK = 2.0 * math.pi / 4096  # rad
 RPM = 60.0 / (2.0 * math.pi)
 
