@@ -1,4 +1,4 @@
-"""Feetech's protocol for the STS and SMS series, the host's side: frames <-> values. Pure: no I/O, no clock.
+"""Feetech's protocol for the STS, SMS and SCS series, the host's side: frames <-> values. Pure: no I/O, no clock.
 
 Source: Feetech, "Communication Protocol User Manual" (2019); limits and error bits: feetech-servo-sdk 1.0.0.
 The frame, and what becomes of a garbled one: `hal.checksum_frames`.
@@ -40,6 +40,8 @@ _instructions = Instructions(frame, max_id=MAX_ID, address_bytes=1, largest=LONG
 ping, reboot = _instructions.ping, _instructions.reboot  # the manual lacks reboot, and a servo may not know it
 read, write = _instructions.read, _instructions.write
 reg_write, action = _instructions.reg_write, _instructions.action
+factory_reset, reset_turns = _instructions.factory_reset, _instructions.reset_turns
+calibrate = _instructions.calibrate  # recent STS firmware knows it
 sync_write, sync_read = _instructions.sync_write, _instructions.sync_read
 
 

@@ -17,7 +17,10 @@ class Instruction(IntEnum):
     WRITE = 0x03
     REG_WRITE = 0x04
     ACTION = 0x05
+    FACTORY_RESET = 0x06
     REBOOT = 0x08
+    RESET_TURNS = 0x0A  # Feetech's only
+    CALIBRATE = 0x0B  # Feetech's only
     SYNC_READ = 0x82
     SYNC_WRITE = 0x83
     FAST_SYNC_READ = 0x8A  # Dynamixel 2.0 only
@@ -61,6 +64,18 @@ class Instructions:
     def reboot(self, servo_id: int) -> bytes:
         """Start the servo's firmware anew: torque goes off, RAM goes back to its defaults."""
         return self._build(servo_id, Instruction.REBOOT)
+
+    def factory_reset(self, servo_id: int) -> bytes:
+        """Bring back what the factory has set."""
+        return self._build(servo_id, Instruction.FACTORY_RESET)
+
+    def reset_turns(self, servo_id: int) -> bytes:
+        """Forget whole turns."""
+        return self._build(servo_id, Instruction.RESET_TURNS)
+
+    def calibrate(self, servo_id: int) -> bytes:
+        """Make where the shaft is the centre of its range."""
+        return self._build(servo_id, Instruction.CALIBRATE)
 
     def sync_write(self, address: int, length: int, items: Iterable[tuple[int, bytes]]) -> bytes:
         """Write `length` bytes of its own to each (id, data), in one frame that nobody answers."""

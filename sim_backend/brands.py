@@ -7,12 +7,14 @@ from sim_backend.dynamixel_device import DynamixelDevice
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.fake_servo import FakeServo
 from sim_backend.feetech_device import FeetechDevice
+from sim_backend.scs_firmware import ScsServo
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.sts_firmware import StsServo
 
 _FIRMWARE: dict[str, Callable[..., FakeServo]] = {  # by the kind in a servo's file
     "dynamixel-x": DynamixelServo,
     "feetech-sts": StsServo,
+    "feetech-scs": ScsServo,
 }
 _DEVICES: dict[str, Callable[..., Device]] = {  # by what is spoken on the wire
     "dynamixel-2.0": DynamixelDevice,

@@ -6,7 +6,11 @@ import pytest
 from scservo_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PacketHandler
 
 from hal import feetech_protocol as protocol
+from hal.encoding import pack
 from hal.protocol import Status
+from hal.protocols import protocol_of
+from hal.register_map import ServoModel
+from robotwalk.assembly import load_servo
 
 
 class Port:
@@ -106,6 +110,17 @@ def test_the_sdk_sends_no_more_servos_in_a_frame_than_we_do(
         assert port.written == b""
         with pytest.raises(ValueError, match="30 servos fit"):
             protocol.sync_write(41, 7, items)
+
+
+@pytest.mark.parametrize(("name", "value"), [("goal_position", 700), ("goal_velocity", 1500), ("max_torque_limit", 1)])
+@pytest.mark.parametrize(("end", "model"), [(0, load_servo("sts3215")), (1, load_servo("scs15"))], ids=["sts", "scs"])
+def test_a_word_goes_out_as_the_sdk_sends_it(
+    port: Port, handler: PacketHandler, end: int, model: ServoModel, name: str, value: int
+) -> None:
+    """Low byte first to STS servos, high byte first to SCS servos."""
+    PacketHandler(end)
+    handler.write2ByteTxOnly(port, 3, model[name].address, value)
+    assert protocol_of(model).write(3, model[name].address, pack(model[name], value)) == port.written
 
 
 def test_a_second_handler_turns_the_byte_order_of_the_first_and_ours_has_none(

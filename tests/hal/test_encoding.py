@@ -1,4 +1,4 @@
-"""Sign and magnitude, in which Feetech's servos count, on the bundled STS3215's registers."""
+"""Sign and magnitude, in which Feetech's servos count, low byte first (STS) or high byte first (SCS)."""
 
 import pytest
 from hypothesis import given
@@ -9,9 +9,10 @@ from hal.encoding import BlockDecoder, pack, unpack
 from hal.register_map import Block
 from robotwalk.assembly import load_servo
 
-STS = load_servo("sts3215")
+STS, SCS = load_servo("sts3215"), load_servo("scs15")
 
 SIGNED = [row.name for row in STS.registers if row.sign_bit is not None]
+WORDS = [row.name for row in SCS.registers if row.size == 2]
 
 
 @pytest.mark.parametrize(
@@ -35,6 +36,38 @@ SIGNED = [row.name for row in STS.registers if row.sign_bit is not None]
 def test_bytes_on_the_wire(name: str, value: int, data: str) -> None:
     assert pack(STS[name], value) == bytes.fromhex(data)
     assert unpack(STS[name], bytes.fromhex(data)) == value
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "data"),
+    [
+        ("goal_position", 700, "02 BC"),
+        ("goal_position", 1023, "03 FF"),
+        ("goal_time", 1124, "04 64"),  # with both limits 0 a PWM of -100
+        ("goal_velocity", 1500, "05 DC"),
+        ("goal_velocity", -100, "80 64"),
+        ("present_velocity", -1, "80 01"),
+        ("present_load", 500, "01 F4"),
+        ("present_load", -500, "05 F4"),
+        ("model_number", 1295, "05 0F"),
+        ("lock", 1, "01"),
+    ],
+)
+def test_bytes_on_the_wire_of_an_scs_servo(name: str, value: int, data: str) -> None:
+    assert pack(SCS[name], value) == bytes.fromhex(data)
+    assert unpack(SCS[name], bytes.fromhex(data)) == value
+
+
+@given(st.sampled_from(WORDS), st.integers(0, 1023), st.booleans())
+def test_a_word_of_an_scs_servo_is_an_sts_servo_s_turned_round(name: str, magnitude: int, negative: bool) -> None:
+    register = SCS[name]
+    value = -magnitude if negative and register.sign_bit is not None else magnitude
+    data = pack(register, value)
+    assert unpack(register, data) == value
+    turned = register.model_copy(update={"byte_order": "little"})
+    assert pack(turned, value) == data[::-1]
+    word = value if register.sign_bit is None else SCS_TOSCS(value, register.sign_bit)
+    assert data == word.to_bytes(2, "big")
 
 
 @pytest.mark.parametrize("name", SIGNED)
@@ -91,3 +124,10 @@ class TestBlock:
         values = [position, velocity, load]
         data = b"".join(pack(STS[name], value) for name, value in zip(names, values, strict=True))
         assert BlockDecoder(STS.feedback).unpack(data) == values
+
+    @given(st.integers(0, 1023), st.integers(-32767, 32767), st.integers(-1023, 1023))
+    def test_so_does_one_with_the_high_byte_first(self, position: int, velocity: int, load: int) -> None:
+        names = ("present_position", "present_velocity", "present_load")
+        values = [position, velocity, load]
+        data = b"".join(pack(SCS[name], value) for name, value in zip(names, values, strict=True))
+        assert BlockDecoder(SCS.feedback).unpack(data) == values

@@ -7,16 +7,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hal import scs_protocol
 from hal.feetech_protocol import (
     Fault,
     Receiver,
     action,
+    calibrate,
     describe_error,
+    factory_reset,
     group_read,
     ping,
     read,
     reboot,
     reg_write,
+    reset_turns,
     sync_read,
     sync_write,
     write,
@@ -97,11 +101,23 @@ class TestInstructions:
                 sync_write(30, 4, [(0, b"\x10\x00\x50\x01"), (1, b"\x20\x02\x60\x03")]),
                 "FF FF FE 0E 83 1E 04 00 10 00 50 01 01 20 02 60 03 67",
             ),
+            (factory_reset(1), "FF FF 01 02 06 F6"),
             (reboot(1), "FF FF 01 02 08 F4"),
+            (reset_turns(1), "FF FF 01 02 0A F2"),
+            (calibrate(1), "FF FF 01 02 0B F1"),
         ],
     )
     def test_equals_dynamixel_protocol_1_which_has_the_same_shape(self, frame: bytes, expected: str) -> None:
         assert frame == bytes.fromhex(expected)
+
+    def test_scs_servos_are_told_in_the_same_frames(self) -> None:
+        assert scs_protocol.sync_write(42, 2, [(1, b"\x02\xbc")]) == bytes.fromhex("FF FF FE 07 83 2A 02 01 02 BC 8C")
+        assert scs_protocol.read(1, 56, 6) == read(1, 56, 6)
+
+    @pytest.mark.parametrize("fast", [False, True])
+    def test_scs_servos_have_no_sync_read(self, fast: bool) -> None:
+        with pytest.raises(ValueError, match=r"^SCS servos have no sync read: read each by itself$"):
+            scs_protocol.group_read(56, 6, (1, 2), fast=fast)
 
     def test_the_largest_frames_have_250_bytes(self) -> None:
         assert len(sync_write(41, 7, [(i, bytes(7)) for i in range(30)])) == 248

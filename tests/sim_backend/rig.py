@@ -21,11 +21,12 @@ class Registers:
             register: Register = self.servo.model[name]
             if register.sign_bit is not None and value < 0:
                 value = -value | 1 << register.sign_bit
-            self.servo.write(register.address, value.to_bytes(register.size, "little", signed=register.signed))
+            data = value.to_bytes(register.size, register.byte_order, signed=register.signed)
+            self.servo.write(register.address, data)
 
     def read(self, name: str) -> int:
         register: Register = self.servo.model[name]
-        value = int.from_bytes(self.read_bytes(register), "little", signed=register.signed)
+        value = int.from_bytes(self.read_bytes(register), register.byte_order, signed=register.signed)
         if register.sign_bit is not None and value >> register.sign_bit:
             return (1 << register.sign_bit) - value
         return value

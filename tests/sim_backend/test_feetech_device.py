@@ -1,55 +1,13 @@
 """The STS3215 seen from the wire: literal bytes, and Feetech's own SDK."""
 
-from collections.abc import Mapping
-
-import numpy as np
 import pytest
 import scservo_sdk
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robotwalk.assembly import load_servo
 from sim_backend.device import Reply
-from sim_backend.feetech_device import FeetechDevice
-from sim_backend.servo_physics import ServoPhysics
-from sim_backend.sts_firmware import StsServo
 
-MODEL = load_servo("sts3215")
-BAUD = 1_000_000
-MS = 1_000_000
-
-
-class Bus:
-    """Servos on one wire, their shafts where the test puts them; time passes by hand."""
-
-    def __init__(self, *ids: int, firmware: Mapping[str, object] = {}, **factory_settings: int) -> None:
-        model = MODEL.model_copy(update={"firmware": MODEL.firmware.model_copy(update=firmware)})
-        self.physics = ServoPhysics([model] * len(ids))
-        self.servos = [StsServo(self.physics, i, id=servo_id, **factory_settings) for i, servo_id in enumerate(ids)]
-        self.device = FeetechDevice(self.servos)
-        self.now = 10 * MS
-        self.place(*[2048] * len(ids))
-
-    def place(self, *counts: int) -> None:
-        angles = (np.array(counts) - 2048) * (2.0 * np.pi / 4096)
-        self.physics.step(angles, np.zeros(len(counts)), self.now)
-
-    def send(self, data: bytes, baud: int = BAUD) -> list[Reply]:
-        self.now += MS
-        return self.device.receive(data, self.now, baud)
-
-    def ask(self, instruction: bytes) -> list[bytes]:
-        return [reply.data for reply in self.send(instruction)]
-
-    def table(self, name: str) -> list[int]:
-        return [servo.table[name] for servo in self.servos]
-
-
-def frame(servo_id: int, body: bytes) -> bytes:
-    """Return a whole frame around an instruction, or an error byte, and what follows it."""
-    inner = bytes([servo_id, len(body) + 1]) + body
-    return b"\xff\xff" + inner + bytes([255 - sum(inner) % 256])
-
+from .feetech_bus import BAUD, MS, Bus, Port, frame
 
 PING = bytes.fromhex("FF FF 01 02 01 FB")
 OK = bytes.fromhex("FF FF 01 02 00 FC")
@@ -336,32 +294,6 @@ def test_after_any_noise_a_pause_brings_the_servo_back(noise: bytes) -> None:
 def test_any_instruction_is_answered_with_a_whole_frame_or_not_at_all(body: bytes) -> None:
     for answer in Bus(1).ask(frame(1, body)):
         assert answer == frame(1, answer[4:-1])
-
-
-class Port:
-    """What Feetech's SDK needs of a port, with the fake bus behind it."""
-
-    def __init__(self, bus: Bus) -> None:
-        self.bus = bus
-        self.is_using = False
-        self._received = b""
-
-    def clearPort(self) -> None:
-        self._received = b""
-
-    def writePort(self, packet: list[int]) -> int:
-        self._received += b"".join(self.bus.ask(bytes(packet)))
-        return len(packet)
-
-    def readPort(self, length: int) -> list[int]:
-        data, self._received = self._received[:length], self._received[length:]
-        return list(data)
-
-    def setPacketTimeout(self, packet_length: int) -> None:
-        pass
-
-    def isPacketTimeout(self) -> bool:
-        return not self._received
 
 
 class TestFeetechsSdk:
