@@ -16,6 +16,7 @@ from hal.instructions import Instruction, Instructions
 from hal.protocol import GroupReply, SeparateReplies, Status
 
 PING_SLOT_NS = None  # a broadcast gets no answer
+BULK_READ = False  # the AX series has none
 
 _BULK_READ_HEAD = b"\x00"  # before the items
 
@@ -65,18 +66,23 @@ def group_read(address: int, length: int, ids: Sequence[int], *, fast: bool) -> 
     raise ValueError("Dynamixel Protocol 1.0 has no sync read: read each servo by itself")
 
 
-def bulk_read(length: int, places: Sequence[tuple[int, int]]) -> tuple[bytes, GroupReply]:
-    """Read `length` bytes of each (id, address); return the request and what collects the answers. MX series only.
+def bulk_read(items: Sequence[tuple[int, int, int]], *, fast: bool = False) -> tuple[bytes, GroupReply]:
+    """Return a bulk read of each (id, address, length), and what collects the answers. MX series only; none is fast.
 
     The protocol would let lengths differ. One that is known beforehand keeps garbled ones out.
     """
-    ids = [servo_id for servo_id, _ in places]
+    if fast:
+        raise ValueError("these servos have no fast bulk read")
+    ids, lengths = [servo_id for servo_id, _, _ in items], {length for _, _, length in items}
     _instructions.check_ids(ids, 3)
-    if not 0 < length <= LONGEST_DATA or any(not 0 <= address <= 256 - length for _, address in places):
-        raise ValueError(f"there is no range of {length} bytes at each of {[address for _, address in places]}")
-    items = b"".join(bytes((length, servo_id, address)) for servo_id, address in places)
-    request = frame(BROADCAST_ID, Instruction.BULK_READ, _BULK_READ_HEAD + items)
-    return request, SeparateReplies(Receiver(length), ids, length + OVERHEAD)
+    if len(lengths) > 1:
+        raise ValueError(f"expected one length for all servos, got {sorted(lengths)}")
+    [length] = lengths
+    if not 0 < length <= LONGEST_DATA or any(not 0 <= address <= 256 - length for _, address, _ in items):
+        raise ValueError(f"there is no range of {length} bytes at each of {[address for _, address, _ in items]}")
+    ranges = b"".join(bytes((length, servo_id, address)) for servo_id, address, _ in items)
+    request = frame(BROADCAST_ID, Instruction.BULK_READ, _BULK_READ_HEAD + ranges)
+    return request, SeparateReplies(Receiver(length), ids, len(ids) * (length + OVERHEAD))
 
 
 def receiver() -> "Receiver":

@@ -13,6 +13,7 @@ from hal.instructions import Instructions
 from hal.protocol import GroupReply, SeparateReplies, Status
 
 PING_SLOT_NS = None  # not in Feetech's manual
+BULK_READ = False
 
 
 class Fault(IntFlag):
@@ -49,7 +50,12 @@ def group_read(address: int, length: int, ids: Sequence[int], *, fast: bool) -> 
     """Return a sync read, and what collects the answers. There is no fast form."""
     if fast:
         raise ValueError("these servos have no fast sync read")
-    return sync_read(address, length, ids), SeparateReplies(Receiver(length), ids, length + OVERHEAD)
+    return sync_read(address, length, ids), SeparateReplies(Receiver(length), ids, len(ids) * (length + OVERHEAD))
+
+
+def bulk_read(items: Sequence[tuple[int, int, int]], *, fast: bool) -> tuple[bytes, GroupReply]:
+    """Raise ValueError: there is no such instruction."""
+    raise ValueError("these servos have no bulk read")
 
 
 def receiver() -> "Receiver":

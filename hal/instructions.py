@@ -21,10 +21,14 @@ class Instruction(IntEnum):
     REBOOT = 0x08
     RESET_TURNS = 0x0A  # Feetech's only
     CALIBRATE = 0x0B  # Feetech's only
-    SYNC_READ = 0x82
+    CLEAR = 0x10  # Dynamixel 2.0 only
+    CONTROL_TABLE_BACKUP = 0x20  # Dynamixel 2.0 only
+    SYNC_READ = 0x82  # not in Dynamixel 1.0
     SYNC_WRITE = 0x83
     FAST_SYNC_READ = 0x8A  # Dynamixel 2.0 only
     BULK_READ = 0x92  # Dynamixel's only
+    BULK_WRITE = 0x93  # Dynamixel 2.0 only
+    FAST_BULK_READ = 0x9A  # Dynamixel 2.0 only
 
 
 class Instructions:

@@ -67,11 +67,11 @@ class GroupReply(Protocol):
 class SeparateReplies:
     """A `GroupReply` of one status a servo, found by a receiver."""
 
-    def __init__(self, receiver: Receiver, ids: Sequence[int], status_size: int) -> None:
-        """Expect a status of `status_size` bytes, frame included, of each of `ids`."""
+    def __init__(self, receiver: Receiver, ids: Sequence[int], size: int) -> None:
+        """Expect a status of each of `ids`, `size` bytes in all, frames included."""
         self._receiver = receiver
         self._ids = tuple(ids)
-        self.size = len(self._ids) * status_size
+        self.size = size
         self.waits = len(self._ids)
         self.reset()
 
@@ -108,6 +108,11 @@ class ServoProtocol(Protocol):
         ...
 
     @property
+    def BULK_READ(self) -> bool:  # noqa: N802 (a module's constant)
+        """Whether there is an instruction that reads another range of each servo."""
+        ...
+
+    @property
     def PING_SLOT_NS(self) -> int | None:  # noqa: N802 (a module's constant)
         """How long after a broadcast ping each id has for its answer, ns; None: they would all answer at once."""
         ...
@@ -138,6 +143,10 @@ class ServoProtocol(Protocol):
 
     def group_read(self, address: int, length: int, ids: Sequence[int], *, fast: bool) -> tuple[bytes, GroupReply]:
         """Read the same bytes of many servos at once; return the request and what collects the answers."""
+        ...
+
+    def bulk_read(self, items: Sequence[tuple[int, int, int]], *, fast: bool) -> tuple[bytes, GroupReply]:
+        """Read of each (id, address, length) that range; return the request and what collects the answers."""
         ...
 
     def describe_error(self, number: int) -> str:

@@ -6,8 +6,10 @@ Numbers of two bytes have the high byte first; that is the registers' affair (`h
 from collections.abc import Sequence
 
 from hal.feetech_protocol import BROADCAST_ID as BROADCAST_ID
+from hal.feetech_protocol import BULK_READ as BULK_READ
 from hal.feetech_protocol import PING_SLOT_NS as PING_SLOT_NS
 from hal.feetech_protocol import action as action
+from hal.feetech_protocol import bulk_read as bulk_read
 from hal.feetech_protocol import describe_error as describe_error
 from hal.feetech_protocol import factory_reset as factory_reset
 from hal.feetech_protocol import ping as ping

@@ -1,7 +1,7 @@
 """Our frames against the bytes that ROBOTIS's dynamixel-sdk 4.1.0 sends, and two of its faults."""
 
 import pytest
-from dynamixel_sdk import GroupSyncRead, GroupSyncWrite, PacketHandler
+from dynamixel_sdk import GroupBulkRead, GroupBulkWrite, GroupSyncRead, GroupSyncWrite, PacketHandler
 
 from hal import dynamixel_protocol as protocol
 
@@ -67,6 +67,15 @@ class TestUnicast:
         handler.reboot(port, servo_id)
         assert protocol.reboot(servo_id) == port.written
 
+    @pytest.mark.parametrize("keep", protocol.Keep)
+    def test_factory_reset(self, port: Port, servo_id: int, keep: protocol.Keep) -> None:
+        handler.factoryReset(port, servo_id, int(keep))
+        assert protocol.factory_reset(servo_id, keep) == port.written
+
+    def test_clear(self, port: Port, servo_id: int) -> None:
+        handler.clearMultiTurn(port, servo_id)
+        assert protocol.clear(servo_id) == port.written
+
 
 @pytest.mark.parametrize("ids", [(5,), (3, 1, 2), tuple(range(1, 19))])
 class TestGroups:
@@ -91,6 +100,29 @@ class TestGroups:
             assert group.addParam(servo_id, list(data))
         group.txPacket()
         assert protocol.sync_write(116, 4, items) == port.written
+
+
+class TestBulk:
+    RANGES = ((3, 132, 4), (7, 124, 2), (4, 146, 1), (252, 634, 28))
+
+    @pytest.mark.parametrize("fast", [False, True])
+    def test_bulk_read(self, port: Port, fast: bool) -> None:
+        group = GroupBulkRead(port, handler)
+        for each in self.RANGES:
+            assert group.addParam(*each)
+        if fast:
+            group.fastBulkReadTxPacket()
+        else:
+            group.txPacket()
+        assert protocol.bulk_read(self.RANGES, fast=fast)[0] == port.written
+
+    def test_bulk_write(self, port: Port) -> None:
+        group = GroupBulkWrite(port, handler)
+        items = [(servo_id, address, bytes(range(length))) for servo_id, address, length in self.RANGES]
+        for servo_id, address, data in items:
+            assert group.addParam(servo_id, address, len(data), list(data))
+        group.txPacket()
+        assert protocol.bulk_write(items) == port.written
 
 
 def test_the_sdk_never_sends_its_stuffing_and_we_do(port: Port) -> None:

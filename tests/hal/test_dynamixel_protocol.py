@@ -7,22 +7,29 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hal.dynamixel_frames import Receiver
 from hal.dynamixel_protocol import (
     ErrorNumber,
-    FastSyncReply,
-    Receiver,
-    Status,
+    Keep,
     action,
+    bulk_read,
+    bulk_write,
+    clear,
     describe_error,
+    factory_reset,
     fast_sync_read,
     ping,
     read,
     reboot,
     reg_write,
+    restore_backup,
+    store_backup,
     sync_read,
     sync_write,
     write,
 )
+from hal.joint_reply import JointReply
+from hal.protocol import Status
 
 # From the e-Manual's pages on Ping, Read, Write and Fast Sync Read.
 PING_STATUS = bytes.fromhex("FF FF FD 00 01 07 00 55 00 06 04 26 65 5D")
@@ -32,6 +39,11 @@ EMPTY_STATUS = bytes.fromhex("FF FF FD 00 01 04 00 55 00 A1 0C")
 FAST_REPLY = bytes.fromhex(
     "FF FF FD 00 FE 19 00 55  00 03 A6 00 00 00 84 08  00 07 1F 08 00 00 16 CA  00 04 FF 03 00 00 D1 9E"
 )
+FAST_BULK_REPLY = bytes.fromhex(
+    "FF FF FD 00 FE 14 00 55  00 03 A6 00 00 00 67 A4  00 07 A5 01 24 74  00 04 1F D9 C1"
+)
+BULK_READ, _ = bulk_read([(1, 144, 2), (2, 146, 1)], fast=False)
+FAST_BULK_READ, _ = bulk_read([(3, 132, 4), (7, 124, 2), (4, 146, 1)], fast=True)
 FAST_STATUSES = {
     3: Status(3, 0, False, b"\xa6\x00\x00\x00"),
     7: Status(7, 0, False, b"\x1f\x08\x00\x00"),
@@ -98,6 +110,17 @@ class TestInstructions:
             (reg_write(1, 104, b"\xc8\x00\x00\x00"), "FF FF FD 00 01 09 00 04 68 00 C8 00 00 00 AE 8E"),
             (action(1), "FF FF FD 00 01 03 00 05 02 CE"),
             (reboot(1), "FF FF FD 00 01 03 00 08 2F 4E"),
+            (factory_reset(1, Keep.ID), "FF FF FD 00 01 04 00 06 01 A1 E6"),
+            (clear(1), "FF FF FD 00 01 08 00 10 01 44 58 4C 22 B1 DC"),
+            (store_backup(1), "FF FF FD 00 01 08 00 20 01 43 54 52 4C 16 F5"),
+            # The manual ends this one with 92 F5, and the fast bulk read with 20 F2: no CRC of theirs.
+            (restore_backup(1), "FF FF FD 00 01 08 00 20 02 43 54 52 4C 9E F5"),
+            (BULK_READ, "FF FF FD 00 FE 0D 00 92 01 90 00 02 00 02 92 00 01 00 1A 05"),
+            (FAST_BULK_READ, "FF FF FD 00 FE 12 00 9A 03 84 00 04 00 07 7C 00 02 00 04 92 00 01 00 DA 2D"),
+            (
+                bulk_write([(1, 32, b"\xa0\x00"), (2, 31, b"\x50")]),
+                "FF FF FD 00 FE 10 00 93 01 20 00 02 00 A0 00 02 1F 00 01 00 50 B7 68",
+            ),
             (sync_read(132, 4, (1, 2)), "FF FF FD 00 FE 09 00 82 84 00 04 00 01 02 CE FA"),
             (
                 sync_write(116, 4, [(1, b"\x96\x00\x00\x00"), (2, b"\xaa\x00\x00\x00")]),
@@ -128,9 +151,20 @@ class TestInstructions:
             (lambda: sync_read(132, 4, (1, 1)), r"expected different ids from 0 to 252, got \[1, 1\]"),
             (lambda: fast_sync_read(132, 4, (254,)), r"expected different ids from 0 to 252, got \[254\]"),
             (
-                lambda: FastSyncReply((1, 2), 999),
+                lambda: JointReply(dict.fromkeys((1, 2), 999)),
                 "a reply may be 1024 bytes long, not 2007: read less at once",
             ),
+            (
+                lambda: bulk_read([(1, 0, 4), (1, 8, 4)], fast=False),
+                r"expected different ids from 0 to 252, got \[1, 1\]",
+            ),
+            (lambda: bulk_read([(1, 0, 0)], fast=True), "there is no range of 0 bytes at address 0"),
+            (lambda: bulk_write([(1, 0, b"")]), "there is no range of 0 bytes at address 0"),
+            (
+                lambda: bulk_write([(i, 0, bytes(20)) for i in range(50)]),
+                "a frame may be 1024 bytes long, not 1253: send less at once",
+            ),
+            (lambda: factory_reset(254, Keep.NOTHING), "all servos of the bus would get the same id, so they refuse"),
         ],
     )
     def test_refuses_what_cannot_be_sent(self, make: Callable[[], object], complaint: str) -> None:
@@ -257,17 +291,33 @@ class TestReceiver:
         assert receiver.feed(EMPTY_STATUS) == [Status(1, 0, False, b"")]
 
 
-class TestFastSyncReply:
+class TestJointReply:
     def test_reads_the_manuals_example(self) -> None:
-        reply = FastSyncReply((3, 7, 4), 4)
+        reply = JointReply(dict.fromkeys((3, 7, 4), 4))
         reply.feed(FAST_REPLY)
         assert reply.results == FAST_STATUSES
         assert list(reply.results) == [3, 7, 4]
         assert reply.complete
         assert not reply.corrupt
 
+    def test_reads_the_manuals_example_of_a_bulk_read(self) -> None:
+        _, reply = bulk_read([(3, 132, 4), (7, 124, 2), (4, 146, 1)], fast=True)
+        reply.feed(FAST_BULK_REPLY)
+        assert reply.results == {
+            3: Status(3, 0, False, b"\xa6\x00\x00\x00"), 7: Status(7, 0, False, b"\xa5\x01"),
+            4: Status(4, 0, False, b"\x1f")}
+        assert reply.complete
+        assert reply.size == len(FAST_BULK_REPLY)
+
+    @pytest.mark.parametrize("kept", range(len(FAST_BULK_REPLY)))
+    def test_blocks_of_a_bulk_read_before_a_silent_servo_are_kept(self, kept: int) -> None:
+        _, reply = bulk_read([(3, 132, 4), (7, 124, 2), (4, 146, 1)], fast=True)
+        reply.feed(FAST_BULK_REPLY[:kept])
+        good = [servo_id for servo_id, status in reply.results.items() if status is not None]
+        assert good == [3, 7][:(kept >= 16) + (kept >= 22)]
+
     def test_results_come_block_by_block(self) -> None:
-        reply = FastSyncReply((3, 7, 4), 4)
+        reply = JointReply(dict.fromkeys((3, 7, 4), 4))
         assert reply.results == {3: None, 7: None, 4: None}
         done = []
         for index, byte in enumerate(FAST_REPLY, start=1):
@@ -279,7 +329,7 @@ class TestFastSyncReply:
         assert done[31] == (32, 3, True)
 
     def test_reset_makes_it_ready_for_the_next_reply(self) -> None:
-        reply = FastSyncReply((3, 7, 4), 4)
+        reply = JointReply(dict.fromkeys((3, 7, 4), 4))
         reply.feed(FAST_REPLY[:20])
         reply.reset()
         assert reply.results == {3: None, 7: None, 4: None}
@@ -292,13 +342,13 @@ class TestFastSyncReply:
         ids=["noise", "echo", "stale status", "half a head"],
     )
     def test_what_comes_before_the_reply_is_skipped(self, before: bytes) -> None:
-        reply = FastSyncReply((3, 7, 4), 4)
+        reply = JointReply(dict.fromkeys((3, 7, 4), 4))
         reply.feed(before + FAST_REPLY)
         assert reply.results == FAST_STATUSES
 
     @pytest.mark.parametrize("kept", range(len(FAST_REPLY)))
     def test_blocks_before_a_silent_servo_are_kept(self, kept: int) -> None:
-        reply = FastSyncReply((3, 7, 4), 4)
+        reply = JointReply(dict.fromkeys((3, 7, 4), 4))
         reply.feed(FAST_REPLY[:kept])
         assert reply.results == {
             3: FAST_STATUSES[3] if kept >= 16 else None,
@@ -313,7 +363,7 @@ class TestFastSyncReply:
         for flip in range(1, 256):
             garbled = bytearray(FAST_REPLY)
             garbled[position] ^= flip
-            reply = FastSyncReply((3, 7, 4), 4)
+            reply = JointReply(dict.fromkeys((3, 7, 4), 4))
             reply.feed(bytes(garbled))
             assert reply.results == {
                 3: FAST_STATUSES[3] if position >= 16 else None,
@@ -325,20 +375,20 @@ class TestFastSyncReply:
 
     @pytest.mark.parametrize("lost", range(8, len(FAST_REPLY)))
     def test_a_lost_byte_costs_its_block_and_those_behind(self, lost: int) -> None:
-        reply = FastSyncReply((3, 7, 4), 4)
+        reply = JointReply(dict.fromkeys((3, 7, 4), 4))
         reply.feed(FAST_REPLY[:lost] + FAST_REPLY[lost + 1 :])
         kept = [servo_id for servo_id, status in reply.results.items() if status == FAST_STATUSES[servo_id]]
         assert kept == [3, 7, 4][: (lost - 8) // 8]
         assert not reply.complete
 
     def test_another_servos_block_is_not_believed(self) -> None:
-        reply = FastSyncReply((3, 4, 7), 4)
+        reply = JointReply(dict.fromkeys((3, 4, 7), 4))
         reply.feed(FAST_REPLY)
         assert reply.results == {3: FAST_STATUSES[3], 4: None, 7: None}
         assert reply.corrupt
 
     def test_error_and_alert_are_per_servo(self) -> None:
-        reply = FastSyncReply((1, 2), 2)
+        reply = JointReply(dict.fromkeys((1, 2), 2))
         reply.feed(fast_reply([(1, 0x80, b"\x01\x02"), (2, 0x07, b"\x00\x00")]))
         assert reply.results == {1: Status(1, 0, True, b"\x01\x02"), 2: Status(2, 7, False, b"\x00\x00")}
 
@@ -346,14 +396,14 @@ class TestFastSyncReply:
     @given(st.lists(st.binary(min_size=7, max_size=7), min_size=1, max_size=18), cuts)
     def test_any_data_in_any_pieces(self, data: list[bytes], where: list[int]) -> None:
         blocks = [(servo_id, 0, block) for servo_id, block in enumerate(data)]
-        reply = FastSyncReply(range(len(data)), 7)
+        reply = JointReply(dict.fromkeys(range(len(data)), 7))
         for piece in pieces(fast_reply(blocks), where):
             reply.feed(piece)
         assert reply.results == {servo_id: Status(servo_id, 0, False, block) for servo_id, _, block in blocks}
 
     @pytest.mark.parametrize("data", [b"\xff\xff\xfd\x00", b"\xff\xff\xfd\xfd", b"\xff\xff\xfd\xff"])
     def test_nothing_is_unstuffed(self, data: bytes) -> None:
-        reply = FastSyncReply((1,), 4)
+        reply = JointReply(dict.fromkeys((1,), 4))
         reply.feed(fast_reply([(1, 0, data)]))
         assert reply.results == {1: Status(1, 0, False, data)}
 

@@ -58,8 +58,15 @@ class Brand(NamedTuple):
     status: Callable[..., bytes]
     answers: Callable[[Iterable[Answer]], bytes]
 
+    bulk: bool = False
+
+    def request(self, ids: Sequence[int], length: int = 4) -> tuple[bytes, GroupReply]:
+        if self.bulk:
+            return self.module.bulk_read([(servo_id, 56, length) for servo_id in ids], fast=self.fast)
+        return self.module.group_read(56, length, ids, fast=self.fast)
+
     def read(self, ids: Sequence[int], length: int = 4) -> GroupReply:
-        return self.module.group_read(56, length, ids, fast=self.fast)[1]
+        return self.request(ids, length)[1]
 
 
 BRANDS = {
@@ -67,6 +74,10 @@ BRANDS = {
         dynamixel_protocol, False, dynamixel_status, partial(separate, dynamixel_status)),
     "dynamixel, fast": Brand(
         dynamixel_protocol, True, dynamixel_status, dynamixel_joint_status),
+    "dynamixel, bulk": Brand(
+        dynamixel_protocol, False, dynamixel_status, partial(separate, dynamixel_status), bulk=True),
+    "dynamixel, fast bulk": Brand(
+        dynamixel_protocol, True, dynamixel_status, dynamixel_joint_status, bulk=True),
     "feetech": Brand(
         feetech_protocol, False, feetech_status, partial(separate, feetech_status)),
 }
@@ -219,7 +230,7 @@ class TestInstructions:
             lambda: protocol.read(servo_id, 56, 2),
             lambda: protocol.write(servo_id, 42, b"\x00"),
             lambda: protocol.sync_write(42, 1, [(servo_id, b"\x00")]),
-            lambda: protocol.group_read(56, 2, [servo_id], fast=brand.fast),
+            lambda: brand.request([servo_id], 2),
         ):
             with pytest.raises(ValueError, match=str(servo_id)):
                 make()
@@ -230,6 +241,11 @@ class TestInstructions:
                 brand.read(ids)
             with pytest.raises(ValueError, match="expected different ids"):
                 brand.module.sync_write(42, 1, [(servo_id, b"\x00") for servo_id in ids])
+
+    def test_a_bulk_read_is_refused_where_there_is_none(self, brand: Brand) -> None:
+        if not brand.module.BULK_READ:
+            with pytest.raises(ValueError, match="no bulk read"):
+                brand.module.bulk_read([(1, 56, 2)], fast=False)
 
     def test_nobody_answers_a_broadcast_read(self, brand: Brand) -> None:
         with pytest.raises(ValueError, match="no servo answers a broadcast read"):
