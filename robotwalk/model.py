@@ -4,7 +4,8 @@ Joints are ordered leg by leg as in the robot's file, and along each leg from th
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
 from typing import NamedTuple
@@ -100,6 +101,16 @@ class RobotModel:
     def mass(self) -> float:
         """The whole robot's mass, kg."""
         return self.body_mass + sum(j.mass for j in self.joints) + self.foot_mass * len(self.legs)
+
+    def narrowed(self, ranges: Mapping[str, tuple[float, float]]) -> "RobotModel":
+        """Return the same robot, with joints that keep to these ranges (rad) as well as to their limits."""
+
+        def narrow(joint: Joint) -> Joint:
+            low, high = ranges.get(joint.name, (joint.lower, joint.upper))
+            return joint._replace(lower=max(low, joint.lower), upper=min(high, joint.upper))
+
+        return replace(self, legs=tuple(
+            replace(leg, joints=tuple(narrow(joint) for joint in leg.joints)) for leg in self.legs))
 
     @classmethod
     def from_config(cls, config: RobotConfig) -> "RobotModel":

@@ -33,7 +33,7 @@ def baud_value(servo: Servo, baud: int) -> int:
     try:
         return servo.model.baud_value(baud)
     except ValueError as error:
-        raise UsageError(str(error)) from None
+        raise UsageError(str(error)) from error
 
 
 def _move(servo: Servo, name: str, value: int) -> Change:

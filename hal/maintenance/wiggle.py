@@ -10,7 +10,7 @@ from robotwalk.ports import Clock
 
 _MOVED = 0.5  # of the way asked for
 _ROOM = 0.34  # of the way asked for, which a side must have to be tried
-_LIMITS = ("min_position_limit", "max_position_limit")
+_LIMITS = (("min_position_limit", "max_position_limit"), ("cw_angle_limit", "ccw_angle_limit"))
 
 
 class Turn(NamedTuple):
@@ -61,8 +61,9 @@ def wiggle(
 def _within_limits(servo: Servo, bounds: tuple[float, float]) -> tuple[int, int]:
     """Narrow bounds to the limits that the servo keeps itself."""
     low, high = round(bounds[0]), round(bounds[1])
-    if all(name in servo.model.by_name for name in _LIMITS):
-        least, most = (servo.read(name) for name in _LIMITS)
-        if least < most:  # else it has none
-            low, high = max(low, least), min(high, most)
+    for names in _LIMITS:
+        if all(name in servo.model.by_name for name in names):
+            least, most = (servo.read(name) for name in names)
+            if least < most:  # else it has none
+                low, high = max(low, least), min(high, most)
     return low, high

@@ -10,10 +10,12 @@ from hal import bus_plan
 from hal.calibration import Calibration
 from hal.drive import response
 from hal.hardware import HardwareConfig, problems
+from hal.joint_calibration import CalibrationConfig
 from hal.protocols import protocol_of
 from hal.register_map import ServoModel
 from hal.servo_line import Wired
 from robotwalk import checks
+from robotwalk.assembly.calibration import calibrate
 from robotwalk.config import library
 from robotwalk.config.document import Document
 from robotwalk.config.schema import GaitConfig, RobotConfig
@@ -23,19 +25,22 @@ from robotwalk.model import RobotModel
 from robotwalk.types import DriveResponse
 
 _USUAL_GAITS = ("tripod", "tetrapod", "trot", "wave")  # of six, eight, four legs; of any number
+_CALIBRATION = "calibration.yaml"
 
 
 class Files(NamedTuple):
-    """What a robot is read from: its own file, and servos and gaits by the names of theirs."""
+    """What a robot is read from: its own file, servos and gaits by the names of theirs, and its calibration."""
 
     robot: Document
     servos: Mapping[str, Document]
     gaits: Mapping[str, Document]
+    calibration: Document | None = None  # None: not calibrated, or to be taken as if it were not
 
     def texts(self) -> dict[str, str]:
         """Return the text of each by its place: "robot.yaml", "servos/NAME.yaml"."""
         return {
             "robot.yaml": self.robot.text,
+            **({_CALIBRATION: self.calibration.text} if self.calibration else {}),
             **{f"servos/{name}.yaml": document.text for name, document in self.servos.items()},
             **{f"gaits/{name}.yaml": document.text for name, document in self.gaits.items()},
         }
@@ -46,7 +51,9 @@ class Files(NamedTuple):
         documents = {place: Document.parse(text, place) for place, text in texts.items()}
         if "robot.yaml" not in documents:
             raise ConfigError("robot.yaml: missing")
-        return cls(documents["robot.yaml"], _in_folder(documents, "servos"), _in_folder(documents, "gaits"))
+        return cls(
+            documents["robot.yaml"], _in_folder(documents, "servos"), _in_folder(documents, "gaits"),
+            documents.get(_CALIBRATION))
 
 
 @dataclass(frozen=True)
@@ -59,6 +66,7 @@ class Blueprint:
     hardware: HardwareConfig
     servos: Mapping[str, ServoModel]
     files: Files  # without servos that it does not have
+    calibration: CalibrationConfig | None = None  # which the rest then takes into account
 
     @property
     def default_gait(self) -> str:
@@ -90,14 +98,20 @@ class Blueprint:
         return tuple(response(self.servos[self.hardware.joints[name].servo]) for name in self.model.joint_names)
 
 
-def load(robot: str) -> Blueprint:
-    """Read a robot and all that it refers to.
+def load(robot: str, *, calibrated: bool = False) -> Blueprint:
+    """Read a robot and all that it refers to; `calibrated`: as the one that was built is, not as its file has it.
+
+    Simulations are not calibrated, or the same file would walk otherwise on another computer.
 
     Raises:
         UsageError: no robot is bundled under that name.
         ConfigError: a file is wrong.
     """
-    return build(Files(library.open_document("robots", robot), _bundled("servos"), _bundled("gaits")))
+    files = Files(library.open_document("robots", robot), _bundled("servos"), _bundled("gaits"))
+    path = library.calibration_path(robot)
+    if calibrated and path.exists():
+        files = files._replace(calibration=Document.read(path))
+    return build(files)
 
 
 def build(files: Files) -> Blueprint:
@@ -119,7 +133,10 @@ def build(files: Files) -> Blueprint:
         raise document.error(("hardware", *path), what, got)
     used = {joint.servo for joint in hardware.joints.values()}
     needed = files._replace(servos={name: files.servos[name] for name in sorted(used)})
-    return Blueprint(document, model, load_gaits(files.gaits, model), hardware, servos, needed)
+    calibration = None
+    if files.calibration is not None:
+        calibration, hardware, model = calibrate(files.calibration, document, model, hardware, servos)
+    return Blueprint(document, model, load_gaits(files.gaits, model), hardware, servos, needed, calibration)
 
 
 def load_servo(name: str) -> ServoModel:

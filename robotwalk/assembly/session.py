@@ -60,7 +60,7 @@ def connect(
         ConfigError: a file is wrong.
         BusError: a port does not open.
     """
-    blueprint = load(robot) if isinstance(robot, str) else robot
+    blueprint = load(robot, calibrated=True) if isinstance(robot, str) else robot
     check_rate(rate_hz)
     urls = _urls(blueprint, ports, real)
     opened: dict[str, BytePort] = {}

@@ -83,7 +83,7 @@ def seat(robot: str, joint: str, port: str | None) -> Seat:
         UsageError: no such robot or joint.
         ConfigError: a file is wrong.
     """
-    blueprint = load(robot)
+    blueprint = load(robot, calibrated=True)
     for bus, wires in blueprint.wiring.items():
         for wired in wires:
             if wired.joint == joint:

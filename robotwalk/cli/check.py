@@ -31,7 +31,7 @@ def check(
         One JSON object on stdout.
     """
     assembly.check_rate(rate)
-    blueprint = assembly.load(robot)
+    blueprint = assembly.load(robot, calibrated=True)
     reaches = [checks.gait_reach(blueprint.model, gait) for gait in blueprint.gaits.values()]
     balances = [checks.balance(blueprint.model, gait) for gait in blueprint.gaits.values()]
     buses = assembly.bus_loads(blueprint, rate)
@@ -42,6 +42,7 @@ def check(
             "ok": not problems,
             "problems": problems,
             "mass_kg": round(blueprint.model.mass, 4),
+            "calibration": _calibration_fields(blueprint),
             "gaits": [_gait_fields(reach, at) for reach, at in zip(reaches, balances, strict=True)],
             "rate_hz": rate,
             "buses": {
@@ -85,6 +86,30 @@ def _problems(
     return problems
 
 
+def _calibration_fields(blueprint: assembly.Blueprint) -> dict[str, Any] | None:
+    file, config = blueprint.files.calibration, blueprint.calibration
+    if file is None or config is None:
+        return None
+    return {"file": file.name, "joints": {name: row.model_dump() for name, row in config.joints.items()}}
+
+
+def _show_calibration(blueprint: assembly.Blueprint) -> None:
+    """Say which joints are calibrated, and how that differs from the robot's file."""
+    file, config = blueprint.files.calibration, blueprint.calibration
+    if file is None or config is None:
+        say("calibration: none; zeros and directions are those of the robot's file")
+        return
+    write_table(
+        f"calibration of {len(config.joints)} of {len(blueprint.model.joints)} joints: {file.name}",
+        ["joint", "direction", "zero", "range", "moved back to zero"],
+        [
+            [name, f"{row.direction:+d}", f"{row.zero_deg:.2f} deg",
+             "" if row.range_deg is None else f"{row.range_deg[0]:.1f} to {row.range_deg[1]:.1f} deg",
+             "yes" if row.verified else "no"]
+            for name, row in config.joints.items()
+        ])
+
+
 def _gait_fields(reach: checks.GaitReach, balance: checks.Balance) -> dict[str, Any]:
     joint = reach.tightest
     return {
@@ -103,6 +128,7 @@ def _show(
 ) -> None:
     model = blueprint.model
     say(f"{model.name}: {len(model.legs)} legs, {len(model.joints)} joints, {model.mass:.2f} kg; files are sound")
+    _show_calibration(blueprint)
     write_table(
         "gaits, at the longest stride in any direction and every height",
         ["gait", "top speed", "reach", "tightest joint", "its margin", "balance"],

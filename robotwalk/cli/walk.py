@@ -92,7 +92,7 @@ def walk(
         raise UsageError("--faults befall a simulation; there is none behind a port")
     if gif is not None:
         assembly.check_film(gif)
-    blueprint = assembly.load(robot)
+    blueprint = assembly.load(robot, calibrated=on_bus)
     plan = Plan(
         speed=abs(speed), direction=math.radians(direction + (180.0 if speed < 0.0 else 0.0)),
         heading=None if heading is None else math.radians(heading),

@@ -1,5 +1,6 @@
 """Where configuration files are found: those that ship with the package, and the user's own by path."""
 
+import os
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal
@@ -49,7 +50,7 @@ def _open_servo(name: str, derived: tuple[str, ...]) -> Document:
 
 
 def _path(kind: Kind, name: str) -> Path:
-    if name.endswith((".yaml", ".yml")) or "/" in name:
+    if _is_path(name):
         return Path(name)
     bundled = names(kind)
     if name not in bundled:
@@ -57,3 +58,19 @@ def _path(kind: Kind, name: str) -> Path:
         hint = f"did you mean {near[0]!r}?" if near else f"bundled are: {', '.join(bundled)}"
         raise UsageError(f"no {kind.removesuffix('s')} is named {name!r}; {hint}")
     return root() / kind / f"{name}.yaml"
+
+
+def calibration_path(robot: str) -> Path:
+    """Return where a robot's calibration is kept: beside the user's own file, else in the user's configuration.
+
+    The latter is ~/.config, or what XDG_CONFIG_HOME says (XDG Base Directory Specification).
+    """
+    if _is_path(robot):
+        return Path(robot).with_suffix(".calibration.yaml")
+    folder = os.environ.get("XDG_CONFIG_HOME", "")
+    home = Path(folder) if folder.startswith("/") else Path.home() / ".config"
+    return home / "robotwalk" / f"{robot}.calibration.yaml"
+
+
+def _is_path(name: str) -> bool:
+    return name.endswith((".yaml", ".yml")) or "/" in name

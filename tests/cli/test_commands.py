@@ -131,6 +131,20 @@ def test_check_passes_the_bundled_robot(robotwalk: Run) -> None:
     assert gaits["wave"]["balance_margin_mm"] > gaits["tripod"]["balance_margin_mm"] > 0.0
 
 
+def test_check_shows_the_calibration_and_says_where_it_is_wrong(robotwalk: Run, tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text((library.root() / "robots" / "quadruped.yaml").read_text())
+    calibration = tmp_path / "mine.calibration.yaml"
+    row = "lf_hip: {servo: sts3215, direction: 1, zero_deg: 2.5, verified: true, time: now}"
+    calibration.write_text(f"schema: 1\nrobot: quadruped\njoints:\n  {row}\n")
+    result = robotwalk("check", "mine.yaml", "--json")
+    assert result.json["calibration"]["joints"] == {"lf_hip": {
+        "servo": "sts3215", "direction": 1, "zero_deg": 2.5, "range_deg": None, "verified": True, "time": "now"}}
+    calibration.write_text(f"schema: 1\nrobot: quadruped\njoints:\n  {row.replace('2.5', '200')}\n")
+    result = robotwalk("check", "mine.yaml")
+    assert result.code == 3
+    assert result.err.startswith("mine.calibration.yaml:4:52: joints.lf_hip.zero_deg: the joint's limits")
+
+
 def test_check_fails_a_rate_that_the_bus_cannot_carry(robotwalk: Run) -> None:
     result = robotwalk("check", "hexapod", "--rate", "250")
     assert result.code == 1
