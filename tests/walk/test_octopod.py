@@ -2,6 +2,7 @@
 
 import math
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -26,6 +27,15 @@ def test_it_walks_in_any_direction_by_alternating_tetrapods_if_nothing_is_said(d
     assert abs(report["lateral_drift_m"]) < 0.02
     assert abs(report["heading_change_deg"]) < 2.0
     assert "limits" not in [event["kind"] for event in report["events"]]
+
+
+def test_neighbours_and_partners_across_the_body_swing_in_turn() -> None:
+    blueprint = assembly.load("octopod")
+    legs, gait = [leg.name for leg in blueprint.model.legs], blueprint.gaits["tetrapod"]
+    sides = [[legs.index(f"{side}{place}") for place in ("f", "mf", "mr", "r")] for side in "lr"]
+    for pair in [*zip(*sides, strict=True), *(near for side in sides for near in pairwise(side))]:
+        assert not gait.lifts_together(set(pair))
+    assert {sum(support.standing) for support in gait.supports} == {4}
 
 
 def test_it_turns_on_the_spot() -> None:
