@@ -41,7 +41,7 @@ class Vacancy(NamedTuple):
         if len(new) > 1:
             those = ", ".join(f"{_place(one)} ({one.name})" for one in new)
             raise ServoError(f"which is the new one? {those}: connect one of them, or say --id and --baud")
-        if new[0].model is None or new[0].model.name != self.model.name:
+        if not new[0].may_be(self.model):
             raise ServoError(f"{_place(new[0])} is a servo of another model, {new[0].name}; {self.joint} needs an "
                              f"{self.model.name}")
         return new[0]

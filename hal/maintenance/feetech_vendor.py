@@ -12,7 +12,7 @@ _SIZE = 6  # bytes of a packet without parameters
 
 
 class FeetechSdk(VendorSdk):
-    """STS and SMS series."""
+    """STS, SMS and SCS series."""
 
     # Nothing says what becomes of the id and the baud rate, and the instruction takes no choice.
     outcomes = MappingProxyType({Keep.NOTHING: Outcome(id=None, baud=None)})

@@ -67,7 +67,7 @@ class Servo:
         return Servo(self.dialogue, self.identity, self.model, transport)
 
     def __str__(self) -> str:
-        return f"id {self.id} ({self.model.name})"
+        return f"id {self.id} ({self.identity.name})"
 
     @property
     def place(self) -> Place:

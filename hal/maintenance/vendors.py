@@ -8,7 +8,11 @@ from hal.maintenance.sdk_port import SdkPort
 from hal.maintenance.vendor_sdk import VendorSdk
 from hal.register_map import ServoModel
 
-_SDKS: dict[str, Callable[[SdkPort], VendorSdk]] = {"dynamixel-2.0": DynamixelSdk, "feetech-sts": FeetechSdk}
+_SDKS: dict[str, Callable[[SdkPort], VendorSdk]] = {
+    "dynamixel-2.0": DynamixelSdk,
+    "feetech-sts": FeetechSdk,
+    "feetech-scs": FeetechSdk,
+}
 
 
 def vendor_sdk(model: ServoModel, port: SdkPort) -> VendorSdk:

@@ -53,7 +53,8 @@ def ping(servo_id: ServoId, /, *, line: Line, json: Json = False) -> None:
 def identity_fields(identity: workbench.Identity) -> dict[str, Any]:
     """Return what a servo says of itself, for JSON."""
     fields = identity._asdict()
-    return fields | {"model": identity.model.name if identity.model else None}
+    del fields["twins"]
+    return fields | {"model": identity.name if identity.model else None}
 
 
 class Search:

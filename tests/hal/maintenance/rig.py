@@ -1,6 +1,6 @@
 """A bench over fake servos of either brand, on a simulated wire that the tests can tamper with."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,10 +14,10 @@ from sim_backend.servo_physics import ServoPhysics
 from sim_backend.simulated_clock import SimulatedClock
 from sim_backend.wire import SimulatedPort
 
-MODELS = (load_servo("xl430-w250"), load_servo("sts3215"))
-XL430, STS3215 = MODELS
-MEGABAUD = {"xl430-w250": 3, "sts3215": 0}  # values of baud_rate
-BAUD_57600 = {"xl430-w250": 1, "sts3215": 6}
+MODELS = tuple(map(load_servo, ("xl430-w250", "sts3215", "sts3215-12v", "sts3250", "scs15", "scs0009")))
+XL430, STS3215, *_ = MODELS
+MEGABAUD = {model.name: model.baud_value(1_000_000) for model in MODELS}  # values of baud_rate
+BAUD_57600 = {model.name: model.baud_value(57_600) for model in MODELS}
 MS = 1_000_000
 S = 1_000_000_000
 
@@ -57,12 +57,21 @@ class Rig(NamedTuple):
 
 def rig(name: str, *ids: int, adapter: Adapter | None = None, firmware: Any = None, **settings: int) -> Rig:
     """Servos of one model at 1 Mbaud, unless `settings` of their EEPROM say otherwise."""
-    model = next(model for model in MODELS if model.name == name)
+    return mixed([name] * len(ids), *ids, adapter=adapter, firmware=firmware, **settings)
+
+
+def mixed(
+    names: Sequence[str], *ids: int, adapter: Adapter | None = None, firmware: Any = None, **settings: int
+) -> Rig:
+    """Servos of several models, by their names."""
+    known = {model.name: model for model in MODELS}
+    models = [known[name] for name in names]
     if firmware:
-        model = model.model_copy(update={"firmware": model.firmware.model_copy(update=firmware)})
-    physics = ServoPhysics([model] * len(ids))
+        models = [
+            model.model_copy(update={"firmware": model.firmware.model_copy(update=firmware)}) for model in models]
+    physics = ServoPhysics(models)
     servos = [
-        make_servo(physics, i, id=servo_id, **{"baud_rate": MEGABAUD[name], "return_delay_time": 0, **settings})
+        make_servo(physics, i, id=servo_id, **{"baud_rate": MEGABAUD[names[i]], "return_delay_time": 0, **settings})
         for i, servo_id in enumerate(ids)]
     physics.step(np.zeros(len(ids)), np.zeros(len(ids)), 0)
     clock = SimulatedClock()
