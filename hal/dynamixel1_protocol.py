@@ -16,7 +16,7 @@ from hal.instructions import Instruction, Instructions
 from hal.protocol import GroupReply, SeparateReplies, Status
 
 PING_SLOT_NS = None  # a broadcast gets no answer
-BULK_READ = False  # the AX series has none
+BULK_READ = False  # the AX series has none; who knows that it is an MX may still call `bulk_read`
 
 _BULK_READ_HEAD = b"\x00"  # before the items
 
@@ -70,6 +70,9 @@ def bulk_read(items: Sequence[tuple[int, int, int]], *, fast: bool = False) -> t
     """Return a bulk read of each (id, address, length), and what collects the answers. MX series only; none is fast.
 
     The protocol would let lengths differ. One that is known beforehand keeps garbled ones out.
+
+    Raises:
+        ValueError: it cannot be sent.
     """
     if fast:
         raise ValueError("these servos have no fast bulk read")

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Sequence
 
+from sim_backend.ax_firmware import AxServo
 from sim_backend.device import Device
+from sim_backend.dynamixel1_device import Dynamixel1Device
 from sim_backend.dynamixel_device import DynamixelDevice
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.fake_servo import FakeServo
@@ -13,11 +15,13 @@ from sim_backend.sts_firmware import StsServo
 
 _FIRMWARE: dict[str, Callable[..., FakeServo]] = {  # by the kind in a servo's file
     "dynamixel-x": DynamixelServo,
+    "dynamixel-ax": AxServo,
     "feetech-sts": StsServo,
     "feetech-scs": ScsServo,
 }
 _DEVICES: dict[str, Callable[..., Device]] = {  # by what is spoken on the wire
     "dynamixel-2.0": DynamixelDevice,
+    "dynamixel-1.0": Dynamixel1Device,
     "feetech": FeetechDevice,
 }
 

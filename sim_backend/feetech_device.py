@@ -1,22 +1,17 @@
 """The device side of Feetech's protocol: all servos of one bus, STS and SCS, seen from the wire.
 
-    FF FF | id | length | instruction | parameters | checksum
-    FF FF | id | length | error | data | checksum               (status)
-
-The length counts from the instruction on. The checksum is the complement of the sum of all bytes between header and
-itself. Nothing keeps FF FF out of the data. Source: Feetech's FTServo SDK; the frame is that of Dynamixel Protocol 1.0.
+The frames are those of `checksum_frames`. Source: Feetech's FTServo SDK.
 
 The error byte tells the servo's condition, and has no code for an instruction that is refused. What these servos do
 not understand (a wrong checksum, an instruction or parameters that they do not know) they answer with silence here: a
 plain status would say that all is well.
 """
 
-import struct
 from collections.abc import Sequence
 from enum import IntEnum
 
+from sim_backend.checksum_frames import BROADCAST, LARGEST_DATA, RANGE, ChecksumParser, status
 from sim_backend.device import (
-    InstructionParser,
     Packet,
     Reply,
     ServoDevice,
@@ -26,14 +21,6 @@ from sim_backend.device import (
 )
 from sim_backend.feetech_firmware import FeetechServo
 from sim_backend.reply import collide
-
-BROADCAST = 0xFE
-_HEADER = b"\xff\xff"
-_PROLOGUE = 4  # bytes up to the length's end
-_SHORTEST = 2  # length: instruction and checksum
-_INVALID_ID = 0xFF
-_LARGEST_DATA = 253  # bytes: what the length of a status can say
-_RANGE = struct.Struct("BB")  # address, length
 
 
 class Instruction(IntEnum):
@@ -52,37 +39,14 @@ class Instruction(IntEnum):
     SYNC_WRITE = 0x83
 
 
-class FeetechParser(InstructionParser):
-    """Finds frames of this protocol."""
-
-    header = _HEADER
-    prologue = _PROLOGUE
-
-    def _next(self) -> Packet | None:
-        buffer = self._buffer
-        while self._align():
-            end = _PROLOGUE + buffer[3]
-            if len(buffer) < end:
-                return None
-            if _checksum(buffer[2:end - 1]) == buffer[end - 1]:
-                packet = Packet(buffer[2], buffer[4], bytes(buffer[5:end - 1]))
-                del buffer[:end]
-                return packet
-            del buffer[0]  # its header may have been noise
-        return None
-
-    def _plausible(self) -> bool:
-        return self._buffer[2] != _INVALID_ID and self._buffer[3] >= _SHORTEST
-
-
 class FeetechDevice(ServoDevice[FeetechServo]):
     """All servos of one bus. Both series share the frames, so that they may share a wire."""
 
     def __init__(self, servos: Sequence[FeetechServo]) -> None:
-        super().__init__(servos, FeetechParser())
+        super().__init__(servos, ChecksumParser())
 
     def _obey(self, packet: Packet, listening: list[FeetechServo], now: int, byte_ns: int) -> list[Reply]:
-        return _answer(packet, listening, now, byte_ns)
+        return _answer(packet, listening, now, byte_ns) if packet.intact else []
 
 
 def _answer(packet: Packet, listening: list[FeetechServo], now: int, byte_ns: int) -> list[Reply]:
@@ -91,7 +55,7 @@ def _answer(packet: Packet, listening: list[FeetechServo], now: int, byte_ns: in
     match packet.instruction:
         case Instruction.PING:
             able = [servo for servo in listening if servo.knows_broadcast_ping]
-            return answers_in_slots(able, lambda servo: _status(servo.id, servo.error), byte_ns)
+            return answers_in_slots(able, lambda servo: status(servo.id, servo.error), byte_ns)
         case Instruction.SYNC_READ:
             return _sync_read(packet.parameters, listening, byte_ns)
         case Instruction.SYNC_WRITE:
@@ -112,7 +76,7 @@ def _answer_one(packet: Packet, listening: list[FeetechServo], now: int) -> list
         answers = servo.answers_writes or packet.instruction in (Instruction.PING, Instruction.READ)
         delay, error = servo.return_delay_ns, servo.error
         data = _execute(servo, packet, now)
-        if answers and data is not None and (reply := servo.utter(Reply(delay, _status(packet.id, error, data)))):
+        if answers and data is not None and (reply := servo.utter(Reply(delay, status(packet.id, error, data)))):
             replies.append(reply)
     return replies
 
@@ -123,7 +87,7 @@ def _execute(servo: FeetechServo, packet: Packet, now: int) -> bytes | None:
     match packet.instruction:
         case Instruction.PING:
             pass
-        case Instruction.READ if len(parameters) == _RANGE.size:
+        case Instruction.READ if len(parameters) == RANGE.size:
             return _read(servo, parameters)
         case Instruction.WRITE if parameters:
             servo.write(parameters[0], parameters[1:])
@@ -145,38 +109,28 @@ def _execute(servo: FeetechServo, packet: Packet, now: int) -> bytes | None:
 
 
 def _read(servo: FeetechServo, what: bytes) -> bytes | None:
-    address, length = _RANGE.unpack(what)
-    return servo.read(address, length) if length <= _LARGEST_DATA else None
+    address, length = RANGE.unpack(what)
+    return servo.read(address, length) if length <= LARGEST_DATA else None
 
 
 def _sync_read(parameters: bytes, listening: list[FeetechServo], byte_ns: int) -> list[Reply]:
-    what, ids = parameters[:_RANGE.size], parameters[_RANGE.size:]
+    what, ids = parameters[:RANGE.size], parameters[RANGE.size:]
 
     def answer(servo: FeetechServo) -> bytes | None:
         if not servo.knows_sync_read:
             return None
         data = _read(servo, what)
-        return None if data is None else _status(servo.id, servo.error, data)
+        return None if data is None else status(servo.id, servo.error, data)
 
     return answers_in_turn(ids, listening, answer, byte_ns)
 
 
 def _sync_write(parameters: bytes, listening: list[FeetechServo]) -> None:
     """Write to every listed servo."""
-    if len(parameters) <= _RANGE.size:
+    if len(parameters) <= RANGE.size:
         return
-    address, length = _RANGE.unpack_from(parameters)
-    blocks = sync_write_blocks(parameters[_RANGE.size:], length)
+    address, length = RANGE.unpack_from(parameters)
+    blocks = sync_write_blocks(parameters[RANGE.size:], length)
     for servo in listening:
         if servo.id in blocks:
             servo.write(address, blocks[servo.id])
-
-
-def _status(servo_id: int, error: int, data: bytes = b"") -> bytes:
-    """Return a status packet."""
-    body = bytes((servo_id, len(data) + 2, error)) + data
-    return _HEADER + body + bytes((_checksum(body),))
-
-
-def _checksum(body: bytes | bytearray) -> int:
-    return ~sum(body) & 0xFF

@@ -3,7 +3,7 @@
 In encoder ticks and seconds, duty as a share of the supply voltage, with the `Gains` of each servo:
 
     position loop   duty = P (goal - position) + sum of I (goal - position) dt + D (v_goal - v)
-                           + FF1 v_goal + FF2 a_goal
+                           + FF1 v_goal + FF2 a_goal + punch, towards the goal; none within the margin
     velocity loop   the same, where the velocity's error takes the place of the position's
     motor           torque = kt (V - kt w) / R with V = supply x duty; none with the bridge open (torque off)
 
@@ -37,6 +37,8 @@ class Gains(NamedTuple):
     derivative: float = 0.0  # s
     feed_speed: float = 0.0  # duty per tick/s of the goal's speed
     feed_acceleration: float = 0.0  # duty per tick/s^2
+    margin: float = 0.0  # an error up to this counts as none
+    punch: float = 0.0  # duty towards the goal, added to the loop's as soon as there is an error
 
 
 class Drive(NamedTuple):
@@ -162,14 +164,15 @@ class ServoPhysics:
         """Set the duties by the full law; `step` has a short cut for proportional control alone."""
         goals = self._goals
         goals.advance(self._now)
-        p, i, d, feed_speed, feed_acceleration = self._gains
+        p, i, d, feed_speed, feed_acceleration, margin, punch = self._gains
         speed_error = goals.speed - self._velocity * self._ticks_per_radian
         error = np.where(self._velocity_loop, speed_error, goals.position - self._ticks)
+        error = np.copysign(np.maximum(np.abs(error) - margin, 0.0), error)
         self._sum += i * error * elapsed
         np.clip(self._sum, -self._limit, self._limit, out=self._sum)  # against wind-up
         self.duty[:] = (
             p * error + self._sum + d * speed_error + feed_speed * goals.speed
-            + feed_acceleration * goals.acceleration + self._open_loop)
+            + feed_acceleration * goals.acceleration + punch * np.sign(error) + self._open_loop)
 
     def _run_motors(self) -> None:
         np.multiply(self.supply_v, self.duty, out=self._voltage)

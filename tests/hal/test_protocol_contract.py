@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hal import dynamixel_protocol, feetech_protocol
+from hal import dynamixel1_protocol, dynamixel_protocol, feetech_protocol
 from hal.protocol import GroupReply, ServoProtocol, Status
 
 Answer = tuple[int, bytes]  # id, data
@@ -41,7 +41,7 @@ def dynamixel_joint_status(answers: Iterable[Answer]) -> bytes:
     return frame
 
 
-def feetech_status(servo_id: int, data: bytes, alert: bool = False) -> bytes:
+def checksum_status(servo_id: int, data: bytes, alert: bool = False) -> bytes:
     body = bytes((servo_id, len(data) + 2, 0x20 * alert)) + data
     return b"\xff\xff" + body + bytes((255 - sum(body) % 256,))
 
@@ -78,8 +78,10 @@ BRANDS = {
         dynamixel_protocol, False, dynamixel_status, partial(separate, dynamixel_status), bulk=True),
     "dynamixel, fast bulk": Brand(
         dynamixel_protocol, True, dynamixel_status, dynamixel_joint_status, bulk=True),
+    "dynamixel 1.0, bulk": Brand(
+        dynamixel1_protocol, False, checksum_status, partial(separate, checksum_status), bulk=True),
     "feetech": Brand(
-        feetech_protocol, False, feetech_status, partial(separate, feetech_status)),
+        feetech_protocol, False, checksum_status, partial(separate, checksum_status)),
 }
 
 pytestmark = pytest.mark.parametrize("brand", BRANDS.values(), ids=BRANDS.keys())
@@ -243,7 +245,7 @@ class TestInstructions:
                 brand.module.sync_write(42, 1, [(servo_id, b"\x00") for servo_id in ids])
 
     def test_a_bulk_read_is_refused_where_there_is_none(self, brand: Brand) -> None:
-        if not brand.module.BULK_READ:
+        if not (brand.module.BULK_READ or brand.bulk):  # of those with Dynamixel 1.0 only some have it
             with pytest.raises(ValueError, match="no bulk read"):
                 brand.module.bulk_read([(1, 56, 2)], fast=False)
 

@@ -1,0 +1,126 @@
+"""The device side of Dynamixel Protocol 1.0: all AX servos of one bus, seen from the wire.
+
+The frames are those of `checksum_frames`. A broadcast gets no answer whatever it asks: not a ping, and not the MX
+series' bulk read, which an AX does not know. Source: ROBOTIS e-Manual, Protocol 1.0.
+"""
+
+from collections.abc import Sequence
+from enum import IntEnum
+
+from sim_backend.ax_firmware import AxServo
+from sim_backend.ax_table import Refusal, RefusedError
+from sim_backend.checksum_frames import BROADCAST, LARGEST_DATA, RANGE, ChecksumParser, status
+from sim_backend.device import Packet, Reply, ServoDevice, answers_at_once, sync_write_blocks
+from sim_backend.reply import collide
+
+
+class Instruction(IntEnum):
+    """The instructions that these servos know."""
+
+    PING = 0x01
+    READ = 0x02
+    WRITE = 0x03
+    REG_WRITE = 0x04
+    ACTION = 0x05
+    FACTORY_RESET = 0x06
+    SYNC_WRITE = 0x83
+
+
+class StatusReturnLevel(IntEnum):
+    """What is answered at all; a ping always is."""
+
+    PING = 0
+    READ = 1
+    ALL = 2
+
+
+_ANSWERED_FROM: dict[int, int] = {  # the others from ALL
+    Instruction.PING: StatusReturnLevel.PING, Instruction.READ: StatusReturnLevel.READ}
+
+
+class Dynamixel1Device(ServoDevice[AxServo]):
+    """All AX servos of one bus."""
+
+    def __init__(self, servos: Sequence[AxServo]) -> None:
+        super().__init__(servos, ChecksumParser())
+
+    def _obey(self, packet: Packet, listening: list[AxServo], now: int, byte_ns: int) -> list[Reply]:
+        if not packet.intact:
+            return _report_bad_checksum(packet, listening, byte_ns)
+        if packet.id != BROADCAST:
+            return collide(_answer(packet, listening, now), byte_ns)
+        if packet.instruction == Instruction.SYNC_WRITE:
+            _sync_write(packet.parameters, listening)
+        else:
+            for servo in listening:
+                _execute(servo, packet, now)
+        return []
+
+
+def _report_bad_checksum(packet: Packet, listening: list[AxServo], byte_ns: int) -> list[Reply]:
+    addressed = [
+        servo for servo in listening
+        if servo.id == packet.id and servo.status_return_level == StatusReturnLevel.ALL]
+    return answers_at_once(
+        addressed, lambda servo: status(servo.id, Refusal.CHECKSUM | servo.conditions), byte_ns)
+
+
+def _answer(packet: Packet, listening: list[AxServo], now: int) -> list[Reply]:
+    """Let the addressed servos obey; return the answer of each."""
+    replies: list[Reply] = []
+    for servo in listening:
+        if servo.id != packet.id:
+            continue
+        # As they were before: a write may change these.
+        level, delay = servo.status_return_level, servo.return_delay_ns
+        error, data = _execute(servo, packet, now)
+        frame = status(packet.id, error, data)
+        if level >= _ANSWERED_FROM.get(packet.instruction, StatusReturnLevel.ALL) and (
+                reply := servo.utter(Reply(delay, frame))):
+            replies.append(reply)
+    return replies
+
+
+def _execute(servo: AxServo, packet: Packet, now: int) -> tuple[int, bytes]:
+    """Return the error byte and the data of the answer."""
+    conditions = servo.conditions
+    try:
+        return conditions, _carry_out(servo, packet.instruction, packet.parameters, now)
+    except RefusedError as refused:
+        return conditions | refused.bits, b""
+
+
+def _carry_out(servo: AxServo, instruction: int, parameters: bytes, now: int) -> bytes:
+    """Return the data of the answer.
+
+    Raises:
+        RefusedError: the servo does not obey.
+    """
+    match instruction:
+        case Instruction.PING:
+            pass
+        case Instruction.READ if len(parameters) == RANGE.size:
+            address, length = RANGE.unpack(parameters)
+            return servo.read(address, min(length, LARGEST_DATA))
+        case Instruction.WRITE if parameters:
+            servo.write(parameters[0], parameters[1:])
+        case Instruction.REG_WRITE if parameters:
+            servo.register_write(parameters[0], parameters[1:])
+        case Instruction.ACTION:
+            servo.action()
+        case Instruction.FACTORY_RESET:
+            servo.factory_reset(now)
+        case _:
+            raise RefusedError(Refusal.INSTRUCTION)
+    return b""
+
+
+def _sync_write(parameters: bytes, listening: list[AxServo]) -> None:
+    """Write to every listed servo; nobody tells whether it took it."""
+    if len(parameters) <= RANGE.size:
+        return
+    address, length = RANGE.unpack_from(parameters)
+    blocks = sync_write_blocks(parameters[RANGE.size:], length)
+    for servo in listening:
+        if servo.id in blocks:
+            _execute(servo, Packet(servo.id, Instruction.WRITE, bytes((address,)) + blocks[servo.id]), 0)
