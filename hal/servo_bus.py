@@ -237,7 +237,9 @@ class SerialServoBus:
     def _transact(self, goals: Sequence[float] | None, period: int, margin: int = _MARGIN) -> JointState:
         start = self._clock.now()
         latest = start + round(_SHARE_OF_PERIOD * period)
-        pending = [line for line in self._lines if line.begin(goals, start, margin)]
+        frames = [line.frame(goals) for line in self._lines]  # all of them, before a wire carries any
+        pending = [
+            line for line, frame in zip(self._lines, frames, strict=True) if line.begin(frame, start, margin)]
         while pending:
             self._clock.wait([line.port for line in pending], min(latest, *(line.deadline for line in pending)))
             now = self._clock.now()

@@ -105,13 +105,20 @@ class ServoLine:
         plan = bus_plan.cyclic(self.protocol, [servo.model for servo in self.servos], fast=fast)
         self._wire_ns = round(bus_plan.wire_seconds(plan, self._baud) * _NS)
 
-    def begin(self, goals: Sequence[float] | None, now: int, margin: int) -> bool:
-        """Write the goals (rad, in the robot's joint order), if any, and ask for everybody's state.
+    def frame(self, goals: Sequence[float] | None) -> bytes:
+        """Return what writes the goals (rad, in the robot's joint order), if any, and asks for everybody's state.
+
+        Raises:
+            ValueError: a goal is NaN or infinite.
+        """
+        return self._request if goals is None else self._goal_frame(goals) + self._request
+
+    def begin(self, frame: bytes, now: int, margin: int) -> bool:
+        """Send a `frame`.
 
         Answers may come until `margin` ns past the time that the exchange takes. Return whether any may come: a
         dead port costs its own joints their samples, not the other wires theirs.
         """
-        frame = self._request if goals is None else self._goal_frame(goals) + self._request
         self._group.reset()
         self.transactions += 1
         try:

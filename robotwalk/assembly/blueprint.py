@@ -37,11 +37,11 @@ class Files(NamedTuple):
     calibration: Document | None = None  # None: not calibrated, or to be taken as if it were not
 
     def texts(self) -> dict[str, str]:
-        """Return the text of each by its place: "robot.yaml", "servos/NAME.yaml"."""
+        """Return the text of each by its place ("robot.yaml", "servos/NAME.yaml"), a servo's with its base."""
         return {
             "robot.yaml": self.robot.text,
             **({_CALIBRATION: self.calibration.text} if self.calibration else {}),
-            **{f"servos/{name}.yaml": document.text for name, document in self.servos.items()},
+            **{f"servos/{name}.yaml": document.whole_text for name, document in self.servos.items()},
             **{f"gaits/{name}.yaml": document.text for name, document in self.gaits.items()},
         }
 

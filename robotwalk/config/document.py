@@ -57,6 +57,14 @@ class _Problem(NamedTuple):
     text: str
 
 
+class _PlainDumper(yaml.SafeDumper):
+    """Writes what occurs twice twice: we accept no aliases."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """Say that nothing may become an alias."""
+        return True
+
+
 class Document:
     """What a YAML file holds, and where.
 
@@ -111,6 +119,11 @@ class Document:
         except RecursionError:
             flaws = [_Problem(_Place(name, 1, 1), (), "nested too deeply")]
         raise _config_error(flaws)
+
+    @property
+    def whole_text(self) -> str:
+        """All that it holds, with what it is based on, as YAML that stands alone. Comments are lost."""
+        return yaml.dump(self._content, Dumper=_PlainDumper, sort_keys=False, allow_unicode=True, width=120)
 
     def value(self, path: KeyPath) -> Any:
         """Return what is at `path`. Raises ConfigError if nothing is."""

@@ -149,6 +149,6 @@ def test_an_id_that_nobody_has_is_missed(opened: Opener) -> None:
     session = opened()
     line = next(iter(session.bus.lines))
     stranger = line.servos[0]._replace(id=99, joint="nobody")
-    with pytest.raises(BusError, match=r"nobody \(id 99, bus legs\) does not answer to a read of model_number"):
+    with pytest.raises(BusError, match=rf"nobody \(id 99, bus {line.name}\) does not answer to a read of model_number"):
         line.read_register(session.clock, stranger, "model_number")
     session.bus.close()

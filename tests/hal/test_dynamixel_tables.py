@@ -3,6 +3,7 @@
 Against the files that ROBOTIS ships in dynamixel_easy_sdk, and against the e-Manual's pages, copied here by hand.
 """
 
+import itertools
 import re
 from collections.abc import Iterator
 from importlib.resources import files
@@ -306,6 +307,8 @@ def test_the_fit_is_the_published_one() -> None:
     assert list(motor.model_dump(exclude={"source"}).values())[:5] == [0.386696, 4.017129, 0.001814, 0.012833, 0.003662]
 
 
-def test_every_bundled_model_has_a_number_of_its_own() -> None:
-    numbers = [load_servo(name).model_number for name in library.names("servos")]
-    assert len(set(numbers)) == len(numbers)
+def test_models_that_share_a_number_can_be_told_apart() -> None:
+    models = [load_servo(name) for name in library.names("servos")]
+    for one, other in itertools.combinations(models, 2):
+        if one.model_number == other.model_number and one.frames == other.frames:
+            assert one["max_voltage_limit"].default != other["max_voltage_limit"].default

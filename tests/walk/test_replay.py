@@ -11,8 +11,11 @@ from mcap.records import Attachment, Channel, Message, Metadata
 from mcap.stream_reader import StreamReader
 from mcap.writer import Writer
 
+from hal.register_map import ServoModel
 from robotwalk import assembly
 from robotwalk.assembly.replay import replay
+from robotwalk.config import library
+from robotwalk.config.document import Document
 from robotwalk.errors import BusError, SafetyStop, UsageError
 from robotwalk.loop import Tick
 from robotwalk.supervisor import State
@@ -231,3 +234,9 @@ def test_what_is_no_log(tmp_path: Path) -> None:
         path.write_bytes(data)
         with pytest.raises(UsageError, match=r"x.mcap is no log of robotwalk: it (breaks off|is damaged)"):
             replay(path)
+
+
+@pytest.mark.parametrize("name", library.names("servos"))
+def test_a_servos_text_in_a_log_stands_alone(name: str) -> None:
+    document = library.open_document("servos", name)
+    assert Document.parse(document.whole_text, name).validate(ServoModel) == document.validate(ServoModel)
