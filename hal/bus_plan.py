@@ -1,13 +1,17 @@
 """What a tick costs on the wire, in bytes and seconds: counted on the frames that would be sent."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from hal.feedback import Reader, readers
+from hal.goal_writer import GoalWriter
 from hal.protocol import ServoProtocol
-from hal.register_map import ServoModel
+from hal.wired import Wired
 
 _BITS_PER_BYTE = 10  # 8N1
-_RETURN_DELAY_S = 2e-6  # per count of the register, with every brand here
+SHARE_OF_TICK = 0.9  # that an exchange may take, whatever is missing
+_STALEST = 0.05  # s between two samples of a joint, where they are spread over ticks
 
 
 class Exchange(NamedTuple):
@@ -16,18 +20,68 @@ class Exchange(NamedTuple):
     tx_bytes: int
     rx_bytes: int
     return_delays: int  # waits for a servo's return delay
+    round_trips: int = 1  # requests that wait for the answer to the one before
+
+    def seconds(self, baud: int, *, return_delay: float = 0.0, latency: float = 0.0) -> float:
+        """Return how long it takes; the servos' return delay and the adapter's latency in s."""
+        on_wire = (self.tx_bytes + self.rx_bytes) * _BITS_PER_BYTE / baud
+        return on_wire + self.return_delays * return_delay + self.round_trips * latency
+
+    def __add__(self, other: tuple[int, ...]) -> "Exchange":  # type: ignore[override]
+        return Exchange(*map(sum, zip(self, other, strict=True)))
 
 
-def cyclic(protocol: ServoProtocol, models: Sequence[ServoModel], *, fast: bool) -> Exchange:
-    """Return the cost of a tick for servos that share one wire and one register layout."""
-    ids = range(1, len(models) + 1)
-    goal, feedback = models[0][models[0].cyclic.goal], models[0].feedback
-    write = protocol.sync_write(goal.address, goal.size, [(servo_id, bytes(goal.size)) for servo_id in ids])
-    request, reply = protocol.group_read(feedback.address, feedback.size, ids, fast=fast)
-    return Exchange(len(write) + len(request), reply.size, reply.waits)
+class Cycle(NamedTuple):
+    """What goes over a bus in every tick, and what is spread over as many as it takes."""
+
+    always: Exchange
+    spread: tuple[Exchange, ...]  # one for each servo that is read by itself
+
+    @property
+    def whole(self) -> Exchange:
+        """One write of all goals and one read of all states."""
+        return sum(self.spread, self.always)
+
+    def seconds(self, baud: int, rate_hz: int, *, return_delay: float = 0.0, latency: float = 0.0) -> float:
+        """Return how long a tick's part of it takes at least, at a rate."""
+        wait = {"return_delay": return_delay, "latency": latency}
+        always = self.always.seconds(baud, **wait)
+        if not self.spread:
+            return always
+        ticks = max(math.floor(_STALEST * rate_hz), 1)
+        one = max(exchange.seconds(baud, **wait) for exchange in self.spread)
+        return always + math.ceil(len(self.spread) / ticks) * one
+
+    def largest_rate(self, baud: int, share: float, *, return_delay: float = 0.0, latency: float = 0.0) -> int:
+        """Return the largest rate (Hz) at which a tick's part takes no more than a share of the tick; 0 if none."""
+        wait = {"return_delay": return_delay, "latency": latency}
+        most = int(share / self.always.seconds(baud, **wait))
+        return next((rate for rate in range(most, 0, -1) if self.seconds(baud, rate, **wait) * rate <= share), 0)
 
 
-def wire_seconds(exchange: Exchange, baud: int, return_delay: int = 0) -> float:
-    """Return how long the exchange keeps the wire busy; `return_delay` in counts of its register."""
-    on_wire = (exchange.tx_bytes + exchange.rx_bytes) * _BITS_PER_BYTE / baud
-    return on_wire + exchange.return_delays * return_delay * _RETURN_DELAY_S
+def cycle(protocol: ServoProtocol, servos: Sequence[Wired], *, fast: bool) -> Cycle:
+    """Return the cost of a tick on a wire; `fast`: each servo that may know the fast reads does."""
+    able = {servo.id for servo in servos if fast and servo.model.fast_sync_read_firmware is not None}
+    return cycle_of(protocol, servos, readers(protocol, servos, able))
+
+
+def cycle_of(protocol: ServoProtocol, servos: Sequence[Wired], by: Sequence[Reader]) -> Cycle:
+    """Return the cost of a tick in which these readers read the feedback of a wire's servos."""
+    goals = GoalWriter(protocol, servos).frames(_middle(servos))
+    always, spread = Exchange(len(goals), 0, 0, 0), []
+    for reader in by:
+        for reading in reader.everyone():
+            cost = Exchange(len(reading.request), reading.reply.size, reading.reply.waits)
+            if reader.spreads:
+                spread.append(cost)
+            else:
+                always += cost
+    return Cycle(always, tuple(spread))
+
+
+def _middle(servos: Sequence[Wired]) -> list[float]:
+    """Return goals that every servo can pack: where its encoder has its centre."""
+    goals = [0.0] * (1 + max(servo.slot for servo in servos))
+    for servo in servos:
+        goals[servo.slot] = servo.calibration.zero
+    return goals

@@ -61,6 +61,11 @@ reg_write, action = _instructions.reg_write, _instructions.action
 sync_write = _instructions.sync_write
 
 
+def single_read(servo_id: int, address: int, length: int) -> tuple[bytes, GroupReply]:
+    """Return a read of one servo, and what collects the answer."""
+    return read(servo_id, address, length), SeparateReplies(Receiver(length), (servo_id,), length + OVERHEAD)
+
+
 def group_read(address: int, length: int, ids: Sequence[int], *, fast: bool) -> tuple[bytes, GroupReply]:
     """Raise ValueError: no instruction of this protocol reads many servos, but for the MX series' bulk read."""
     raise ValueError("Dynamixel Protocol 1.0 has no sync read: read each servo by itself")

@@ -58,6 +58,11 @@ sync_write, bulk_write = _instructions.sync_write, _instructions.bulk_write
 sync_read, fast_sync_read = _instructions.sync_read, _instructions.fast_sync_read
 
 
+def single_read(servo_id: int, address: int, length: int) -> tuple[bytes, GroupReply]:
+    """Return a read of one servo, and what collects the answer."""
+    return read(servo_id, address, length), _reply({servo_id: length}, fast=False)
+
+
 def group_read(address: int, length: int, ids: Sequence[int], *, fast: bool) -> tuple[bytes, GroupReply]:
     """Return a fast sync read or a sync read, and what collects the answers."""
     request = fast_sync_read if fast else sync_read

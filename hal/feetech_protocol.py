@@ -46,8 +46,13 @@ calibrate = _instructions.calibrate  # recent STS firmware knows it
 sync_write, sync_read = _instructions.sync_write, _instructions.sync_read
 
 
+def single_read(servo_id: int, address: int, length: int) -> tuple[bytes, GroupReply]:
+    """Return a read of one servo, and what collects the answer."""
+    return read(servo_id, address, length), SeparateReplies(Receiver(length), (servo_id,), length + OVERHEAD)
+
+
 def group_read(address: int, length: int, ids: Sequence[int], *, fast: bool) -> tuple[bytes, GroupReply]:
-    """Return a sync read, and what collects the answers. There is no fast form."""
+    """Return a sync read, and what collects the answers. There is no fast form; SCS servos do not know it at all."""
     if fast:
         raise ValueError("these servos have no fast sync read")
     return sync_read(address, length, ids), SeparateReplies(Receiver(length), ids, len(ids) * (length + OVERHEAD))

@@ -75,8 +75,7 @@ def problems(
             rates = ", ".join(map(str, servo.baud_rates))
             yield Problem(("buses", wiring.bus, "baud"), f"servo {servo.name} of {name} has only {rates}", bus.baud)
         other, model = first.setdefault(wiring.bus, (name, servo))
-        if (servo.frames, servo.feedback, servo[servo.cyclic.goal]) != (
-                model.frames, model.feedback, model[model.cyclic.goal]):
+        if servo.frames != model.frames:
             yield Problem(
                 (*path, "servo"), f"on bus {wiring.bus!r} with the {model.name} of {other}, whose frames differ",
                 servo.name)

@@ -141,6 +141,10 @@ class ServoProtocol(Protocol):
         """Write `length` bytes of its own to each (id, data), in one frame that nobody answers."""
         ...
 
+    def single_read(self, servo_id: int, address: int, length: int) -> tuple[bytes, GroupReply]:
+        """Read bytes of one servo; return the request and what collects the answer."""
+        ...
+
     def group_read(self, address: int, length: int, ids: Sequence[int], *, fast: bool) -> tuple[bytes, GroupReply]:
         """Read the same bytes of many servos at once; return the request and what collects the answers."""
         ...

@@ -1,6 +1,6 @@
 """Which module speaks which protocol."""
 
-from hal import dynamixel1_protocol, dynamixel_protocol, feetech_protocol, scs_protocol
+from hal import dynamixel1_protocol, dynamixel_protocol, feetech_protocol
 from hal.protocol import ServoProtocol
 from hal.register_map import ServoModel
 
@@ -8,7 +8,7 @@ _PROTOCOLS: dict[str, ServoProtocol] = {
     "dynamixel-2.0": dynamixel_protocol,
     "dynamixel-1.0": dynamixel1_protocol,
     "feetech-sts": feetech_protocol,
-    "feetech-scs": scs_protocol,
+    "feetech-scs": feetech_protocol,
 }
 
 

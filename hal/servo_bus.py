@@ -4,17 +4,19 @@ import contextlib
 import math
 from collections.abc import Mapping, Sequence, Set
 
-from hal.servo_line import ServoLine, Wired
+from hal import bus_plan
+from hal.bus_plan import SHARE_OF_TICK
+from hal.line_cycle import PATIENCE
+from hal.servo_line import ServoLine
+from hal.wired import Wired
 from robotwalk.errors import BusError
 from robotwalk.ports import Clock
 from robotwalk.types import BusStatistics, JointState
 
 _NS = 1_000_000_000
 _MS = 1_000_000
-_SHARE_OF_PERIOD = 0.9  # of a tick that an exchange may take, whatever is missing
 _BEYOND_LIMITS = 0.1  # rad that a limp joint may hang past its limits
-_MARGIN = 2_000_000  # ns past the time that an exchange takes, for servos and adapter
-_PATIENCE = 40_000_000  # the same while arming
+_PATIENCE = 40_000_000  # ns past the time that the bytes take, while arming
 _TRIES = 3
 _GENTLE = 0.2  # of the torque, with which a limb comes to power
 _RAMP = (0.4, 0.6, 0.8)
@@ -36,6 +38,7 @@ class SerialServoBus:
         count = len(self._joints)
         self._position, self._velocity, self._effort = [math.nan] * count, [0.0] * count, [0.0] * count
         self._heard = [0] * count  # ns
+        self._valid = [False] * count
         self._max_age = dict.fromkeys((line.name for line in lines), 0.0)
 
     @property
@@ -51,7 +54,8 @@ class SerialServoBus:
     @property
     def alerts(self) -> list[str]:
         """The joints whose servos reported a fault of their hardware in the last exchange."""
-        return [joint for line in self._lines for joint in line.alerts]
+        return [
+            servo.joint for line in self._lines for servo in line.servos if line.cycle.alerts.get(servo.slot, False)]
 
     def arm(self, period: int, torque: float = 1.0) -> JointState:
         """Find every servo, let it hold where it is, switch torque on, limb by limb and gently.
@@ -117,8 +121,8 @@ class SerialServoBus:
         """Return what each bus carried, by its name."""
         return {
             line.name: BusStatistics(
-                line.tx_bytes, line.rx_bytes, line.transactions, line.lost_replies, line.bad_frames,
-                self._max_age[line.name])
+                line.wire.tx_bytes, line.wire.rx_bytes, line.cycle.transactions, line.cycle.lost_replies,
+                line.bad_frames, self._max_age[line.name])
             for line in self._lines
         }
 
@@ -188,23 +192,26 @@ class SerialServoBus:
 
     def _check_pace(self, line: ServoLine, period: int) -> None:
         """Refuse a bus that cannot carry a cycle in its period."""
-        if line.exchange_ns <= _SHARE_OF_PERIOD * period:
+        wire, rate = line.wire, _NS // period
+        plan = bus_plan.cycle_of(line.protocol, line.servos, line.cycle.readers)
+        waits = {"return_delay": wire.return_delay / _NS, "latency": wire.latency / _NS}
+        exchange = plan.seconds(wire.baud, rate, **waits)
+        if exchange <= SHARE_OF_TICK / rate:
             return
-        rate, exchange = _NS // period, line.exchange_ns / _MS
-        largest = int(_SHARE_OF_PERIOD * _NS / line.exchange_ns)
-        cause = f"its bytes take {line.wire_ns / _MS:.1f} ms at this baud"
-        if line.latency > line.wire_ns:
+        on_wire = plan.seconds(wire.baud, rate)
+        cause = f"its bytes take {1e3 * on_wire:.1f} ms at this baud"
+        if exchange > 2.0 * on_wire:
             cause = (
-                f"the adapter holds every reply back for {line.latency / _MS:.0f} ms (an FTDI's latency_timer is 16 ms "
+                f"the adapter holds every reply back for {wire.latency / _MS:.0f} ms (an FTDI's latency_timer is 16 ms "
                 "unless set to 1 in /sys/bus/usb-serial/devices/ttyUSB*/latency_timer)")
         raise BusError(
-            f"bus {line.name} cannot be read at {rate} Hz: an exchange takes {exchange:.1f} ms, for {cause}. "
-            f"As it is, --rate {largest} is the most")
+            f"bus {line.name} cannot be read at {rate} Hz: an exchange takes {1e3 * exchange:.1f} ms, for {cause}. "
+            f"As it is, --rate {plan.largest_rate(wire.baud, SHARE_OF_TICK, **waits)} is the most")
 
     def _identify(self, line: ServoLine) -> None:
         """Ping every servo of a wire and check that it is what the robot's file says."""
         missing: list[Wired] = []
-        fast = True
+        fast: set[int] = set()
         latencies = []
         for servo in line.servos:
             status, latency = line.ping(self._clock, servo)
@@ -221,44 +228,44 @@ class SerialServoBus:
                 raise BusError(
                     f"{servo} on bus {line.name} should be a {servo.model.name} "
                     f"(model {servo.model.model_number}); model {number} answered")
-            fast = fast and self._reads_fast(line, servo)
+            if self._reads_fast(line, servo):
+                fast.add(servo.id)
             line.settle(self._clock, servo)
         if missing:
             everyone = " Is it powered, and is the baud right?" if len(missing) == len(line.servos) else ""
             raise BusError(f"no answer on bus {line.name} from {', '.join(map(str, missing))}.{everyone}")
-        line.latency = min(latencies)
-        line.read_fast(fast)
+        line.wire.latency = min(latencies)
+        line.cycle.read_fast(fast)
 
     def _reads_fast(self, line: ServoLine, servo: Wired) -> bool:
         """Tell whether a servo's firmware has fast sync read."""
         first = servo.model.fast_sync_read_firmware
         return first is not None and line.read_register(self._clock, servo, "firmware_version") >= first
 
-    def _transact(self, goals: Sequence[float] | None, period: int, margin: int = _MARGIN) -> JointState:
+    def _transact(self, goals: Sequence[float] | None, period: int, patience: int = PATIENCE) -> JointState:
         start = self._clock.now()
-        latest = start + round(_SHARE_OF_PERIOD * period)
-        frames = [line.frame(goals) for line in self._lines]  # all of them, before a wire carries any
+        latest = start + round(SHARE_OF_TICK * period)
+        frames = [line.cycle.goal_frames(goals) for line in self._lines]  # all of them, before a wire carries any
         pending = [
-            line for line, frame in zip(self._lines, frames, strict=True) if line.begin(frame, start, margin)]
+            line for line, frame in zip(self._lines, frames, strict=True)
+            if line.cycle.begin(frame, start, latest, patience)]
         while pending:
-            self._clock.wait([line.port for line in pending], min(latest, *(line.deadline for line in pending)))
+            self._clock.wait([line.port for line in pending], min(line.cycle.deadline for line in pending))
             now = self._clock.now()
-            pending = [
-                line for line in pending if line.collect() and not line.complete and now < min(line.deadline, latest)]
+            pending = [line for line in pending if line.cycle.advance(now)]
         return self._state(self._clock.now())
 
     def _state(self, now: int) -> JointState:
-        heard = self._heard
+        heard, valid = self._heard, self._valid
         for line in self._lines:
-            for slot, position, velocity, effort in line.samples():
-                self._position[slot] = position
-                self._velocity[slot] = velocity
-                self._effort[slot] = effort
-                heard[slot] = now
+            for slot, sample in line.cycle.outcome.items():
+                valid[slot] = sample is not None
+                if sample is not None:
+                    self._position[slot], self._velocity[slot], self._effort[slot] = sample
+                    heard[slot] = now
         age = tuple((now - then) / _NS for then in heard)
         for line in self._lines:
             oldest = max(age[servo.slot] for servo in line.servos)
             self._max_age[line.name] = max(self._max_age[line.name], oldest)
         return JointState(
-            tuple(self._position), tuple(self._velocity), tuple(self._effort),
-            tuple(then == now for then in heard), age)
+            tuple(self._position), tuple(self._velocity), tuple(self._effort), tuple(valid), age)

@@ -50,8 +50,9 @@ class Command(NamedTuple):
 class JointState(NamedTuple):
     """All joints as last heard from, in the robot's joint order.
 
-    A joint that did not answer keeps its last values; `valid` is then False and `age` grows. Effort is a
-    share of the servo's largest output, -1 to 1: a duty cycle or a current, as the servo measures.
+    A joint that did not answer when it was last asked keeps its last values; `valid` is then False and `age` grows.
+    Where a bus takes several ticks to ask everybody, `age` grows in between, too. Effort is a share of the servo's
+    largest output, -1 to 1: a duty cycle or a current, as the servo measures.
     """
 
     position: tuple[float, ...]  # rad

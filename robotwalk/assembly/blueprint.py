@@ -13,7 +13,7 @@ from hal.hardware import HardwareConfig, problems
 from hal.joint_calibration import CalibrationConfig
 from hal.protocols import protocol_of
 from hal.register_map import ServoModel
-from hal.servo_line import Wired
+from hal.wired import Wired
 from robotwalk import checks
 from robotwalk.assembly.calibration import calibrate
 from robotwalk.config import library
@@ -26,6 +26,7 @@ from robotwalk.types import DriveResponse
 
 _USUAL_GAITS = ("tripod", "tetrapod", "trot", "wave")  # of six, eight, four legs; of any number
 _CALIBRATION = "calibration.yaml"
+_SHARE_OF_TICK = 0.8  # that a bus may take, with a fifth of the wire free
 
 
 class Files(NamedTuple):
@@ -182,9 +183,8 @@ def bus_loads(blueprint: Blueprint, rate_hz: int) -> list[BusLoad]:
     loads = []
     for name, wired in blueprint.wiring.items():
         baud = blueprint.hardware.buses[name].baud
-        models = [servo.model for servo in wired]
-        fast = all(model.fast_sync_read_firmware is not None for model in models)
-        plan = bus_plan.cyclic(protocol_of(models[0]), models, fast=fast)
-        seconds = bus_plan.wire_seconds(plan, baud)
-        loads.append(BusLoad(name, baud, len(wired), seconds, seconds * rate_hz, int(0.8 / seconds)))
+        plan = bus_plan.cycle(protocol_of(wired[0].model), wired, fast=True)
+        seconds = plan.seconds(baud, rate_hz)
+        loads.append(
+            BusLoad(name, baud, len(wired), seconds, seconds * rate_hz, plan.largest_rate(baud, _SHARE_OF_TICK)))
     return loads

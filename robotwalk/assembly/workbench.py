@@ -29,7 +29,7 @@ from hal.maintenance.wiggle import wiggle as wiggle
 from hal.register_map import ProtocolName as ProtocolName
 from hal.register_map import Register as Register
 from hal.serial_transport import names_hardware, open_port
-from hal.servo_line import Wired as Wired
+from hal.wired import Wired as Wired
 from robotwalk.assembly.blueprint import Blueprint, load, load_servo
 from robotwalk.clock import WallClock
 from robotwalk.config import library

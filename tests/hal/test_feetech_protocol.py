@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hal import scs_protocol
 from hal.feetech_protocol import (
     Fault,
     Receiver,
@@ -109,15 +108,6 @@ class TestInstructions:
     )
     def test_equals_dynamixel_protocol_1_which_has_the_same_shape(self, frame: bytes, expected: str) -> None:
         assert frame == bytes.fromhex(expected)
-
-    def test_scs_servos_are_told_in_the_same_frames(self) -> None:
-        assert scs_protocol.sync_write(42, 2, [(1, b"\x02\xbc")]) == bytes.fromhex("FF FF FE 07 83 2A 02 01 02 BC 8C")
-        assert scs_protocol.read(1, 56, 6) == read(1, 56, 6)
-
-    @pytest.mark.parametrize("fast", [False, True])
-    def test_scs_servos_have_no_sync_read(self, fast: bool) -> None:
-        with pytest.raises(ValueError, match=r"^SCS servos have no sync read: read each by itself$"):
-            scs_protocol.group_read(56, 6, (1, 2), fast=fast)
 
     def test_the_largest_frames_have_250_bytes(self) -> None:
         assert len(sync_write(41, 7, [(i, bytes(7)) for i in range(30)])) == 248

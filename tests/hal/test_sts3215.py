@@ -11,7 +11,8 @@ from hal.calibration import Calibration
 from hal.protocols import protocol_of
 from hal.register_map import ServoModel
 from hal.servo_bus import SerialServoBus
-from hal.servo_line import ServoLine, Wired
+from hal.servo_line import ServoLine
+from hal.wired import Wired
 from robotwalk.assembly import load_servo
 from robotwalk.errors import BusError
 from robotwalk.ports import BytePort
@@ -106,16 +107,16 @@ class TestWireTime:
         ],
     )
     def test_worked_table(self, servos: int, baud: int, write_ms: float, read_ms: float) -> None:
-        plan = bus_plan.cyclic(feetech_protocol, [reading_8_bytes()] * servos, fast=False)
-        assert 1e3 * bus_plan.wire_seconds(plan, baud) == pytest.approx(write_ms + read_ms)
+        plan = bus_plan.cycle(feetech_protocol, wire(reading_8_bytes(), servos), fast=True)
+        assert 1e3 * plan.seconds(baud, 100) == pytest.approx(write_ms + read_ms)
 
     def test_the_plan_of_eighteen(self) -> None:
-        plan = bus_plan.cyclic(feetech_protocol, [STS] * 18, fast=False)
-        assert plan == bus_plan.Exchange(tx_bytes=62 + 26, rx_bytes=216, return_delays=18)
+        plan = bus_plan.cycle(feetech_protocol, wire(STS, 18), fast=True)
+        assert plan.always == bus_plan.Exchange(tx_bytes=62 + 26, rx_bytes=216, return_delays=18)
 
     def test_every_servo_pays_its_return_delay(self) -> None:
-        plan = bus_plan.cyclic(feetech_protocol, [STS] * 18, fast=False)
-        more = bus_plan.wire_seconds(plan, 1_000_000, return_delay=250) - bus_plan.wire_seconds(plan, 1_000_000)
+        plan = bus_plan.cycle(feetech_protocol, wire(STS, 18), fast=True)
+        more = plan.seconds(1_000_000, 100, return_delay=0.5e-3) - plan.seconds(1_000_000, 100)
         assert more == pytest.approx(18 * 0.5e-3)
 
 
@@ -193,6 +194,10 @@ class Servos:
             data = self.memory[servo_id][address : address + length]
             body = bytes((servo_id, len(data) + 2, self.errors[servo_id])) + data
             self.answers += b"\xff\xff" + body + bytes((255 - sum(body) % 256,))
+
+
+def wire(model: ServoModel, count: int) -> list[Wired]:
+    return [Wired(f"j{i}", "leg", i, i + 1, model, Calibration(1, 0.0, 2048, STEP), -1.0, 1.0) for i in range(count)]
 
 
 def bus_of(servos: Servos, *ids: int) -> SerialServoBus:

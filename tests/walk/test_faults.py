@@ -72,22 +72,38 @@ def test_a_joint_reply_cut_short_keeps_the_joints_before_the_cut() -> None:
     honest = port.device
     seen: list[Tick] = []
 
-    def cut_four_ticks(tick: Tick) -> None:
+    def cut_one_tick(tick: Tick) -> None:
         seen.append(tick)
-        port.device = TamperedDevice(honest, cut) if len(seen) < 5 else honest
+        port.device = TamperedDevice(honest, cut) if len(seen) == 1 else honest
 
     with simulation.robot as robot:
         robot.stand()
-        robot.observers.append(cut_four_ticks)
+        robot.observers.append(cut_one_tick)
         robot.walk(vx=0.05, seconds=0.2)
-    before, during, after = seen[0].joints, seen[4].joints, seen[5].joints
+    before, during, after = (tick.joints for tick in seen[:3])
     assert during.valid == (True,) * 7 + (False,) * 11
     assert during.age[0] == 0.0
-    # The others were last heard of four ticks before this one's exchange, and this one waited for them in vain.
-    assert 0.04 <= during.age[17] < 0.045
+    # The others were last heard of in the tick before, and this one waited for them in vain.
+    assert 0.01 <= during.age[17] < 0.015
     assert during.position[7:] == before.position[7:], "a failed read is never data"
     assert after.valid == (True,) * 18
     assert after.age == (0.0,) * 18
+
+
+def test_a_dead_servo_costs_those_behind_it_one_sample_and_two_milliseconds_at_most() -> None:
+    simulation = assembly.simulate("hexapod", faults=[{"at": 5.0, "fault": "dead_servo", "joint": "lm_coxa"}])
+    ticks: list[Tick] = []
+    with simulation.robot as robot:
+        robot.stand()
+        robot.observers.append(ticks.append)
+        with pytest.raises(SafetyStop, match="lm_coxa"):
+            robot.walk(vx=0.05, seconds=9.0)
+    first = next(i for i, tick in enumerate(ticks) if not all(tick.joints.valid))
+    assert ticks[first].joints.valid == (True,) * 3 + (False,) * 15
+    for tick in ticks[first + 1 : first + 40]:
+        assert tick.joints.valid == (True,) * 3 + (False,) + (True,) * 14
+    exchange = robot.loop.exchange.percentiles()
+    assert exchange.max <= exchange.p50 + 2000
 
 
 def test_a_servo_that_falls_silent_for_good_ends_in_a_sit_with_torque_off() -> None:
