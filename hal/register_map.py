@@ -142,8 +142,17 @@ class Cyclic(Row):
     velocity: str
     position: str
     torque_cap: str  # the register that bounds the output, for a gentle start
-    settings: dict[str, int]  # registers, and the counts that they must hold for all this to work
     telemetry: Telemetry
+
+
+class Arming(Row):
+    """What a servo must be set to before its torque comes on, in counts by register."""
+
+    require: Annotated[dict[str, int], Field(default_factory=dict)]  # kept without power: not ours to change unasked
+    set: Annotated[dict[str, int], Field(default_factory=dict)]  # forgotten without power: written where they differ
+    explain: Annotated[dict[str, int], Field(default_factory=dict)]  # worth a word where they differ
+    position_limits: tuple[str, str]  # between which a joint's whole range must lie
+    restart_clears: tuple[str, ...] = ()  # faults after which a restart may follow unasked, as the error's flags say
 
 
 class OperatingPoint(Row):
@@ -239,6 +248,7 @@ class ServoModel(Row):
     baud_by_value: Annotated[Mapping[int, int], Field(alias="baud_rates", min_length=1)]  # of the baud_rate register
     encoder: Encoder
     cyclic: Cyclic
+    arming: Arming
     specification: Specification
     motor: Motor
     position_loop: PositionLoop | ComplianceLoop
@@ -326,7 +336,8 @@ class ServoModel(Row):
         cyclic = self.cyclic
         needed = (
             cyclic.goal, cyclic.effort, cyclic.velocity, cyclic.position, cyclic.torque_cap,
-            self.position_loop.proportional, *cyclic.settings, *cyclic.telemetry.names)
+            self.position_loop.proportional, *cyclic.telemetry.names, *self.arming.require, *self.arming.set,
+            *self.arming.explain, *self.arming.position_limits)
         for name in needed:
             if name not in self.by_name:
                 yield f"no register is named {name!r}"

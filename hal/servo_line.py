@@ -5,14 +5,13 @@ from collections.abc import Sequence
 from hal.encoding import pack, unpack
 from hal.line_cycle import LineCycle
 from hal.protocol import ServoProtocol, Status
-from hal.register_map import Memory
 from hal.wire import Wire
 from hal.wired import Wired
 from robotwalk.errors import BusError
 from robotwalk.ports import BytePort, Clock
 
 _REQUEST_TIMEOUT = 40_000_000  # ns for the reply to a single request; an FTDI adapter holds it back for 16 ms
-_TRIES = 3
+_TRIES = 5
 
 
 class ServoLine:
@@ -74,6 +73,25 @@ class ServoLine:
         for (address, size), items in frames.items():
             self.wire.send(self.protocol.sync_write(address, size, items))
 
+    def read(self, clock: Clock, servo: Wired, address: int, size: int, what: str) -> bytes:
+        """Return bytes of a servo's table; `what` they are is for the message.
+
+        Raises:
+            BusError: the servo does not answer or refuses.
+        """
+        frame = self.protocol.read(servo.id, address, size)
+        return self._accepted(servo, self.request(clock, frame, servo.id, size), f"a read of {what}").data
+
+    def write(self, clock: Clock, servo: Wired, address: int, data: bytes, what: str) -> None:
+        """Write bytes to a servo's table. That it keeps silent is no error: some are set so.
+
+        Raises:
+            BusError: the servo refuses.
+        """
+        status = self.request(clock, self.protocol.write(servo.id, address, data), servo.id, 0)
+        if status is not None:
+            self._accepted(servo, status, what)
+
     def read_register(self, clock: Clock, servo: Wired, name: str) -> int:
         """Return a register's counts.
 
@@ -81,37 +99,26 @@ class ServoLine:
             BusError: the servo does not answer or refuses.
         """
         register = servo.model[name]
-        frame = self.protocol.read(servo.id, register.address, register.size)
-        status = self.request(clock, frame, servo.id, register.size)
-        return unpack(register, self._accepted(servo, status, f"a read of {name}").data)
+        return unpack(register, self.read(clock, servo, register.address, register.size, name))
 
     def write_register(self, clock: Clock, servo: Wired, name: str, value: int) -> None:
-        """Write one register of one servo, in counts.
+        """Write one register of one servo, in counts, and read it back.
 
         Raises:
-            BusError: the servo does not answer or refuses.
+            BusError: the servo does not answer, refuses, or does not keep the value.
         """
         register = servo.model[name]
-        frame = self.protocol.write(servo.id, register.address, pack(register, value))
-        self._accepted(servo, self.request(clock, frame, servo.id, 0), f"{name} = {value}")
+        self.write(clock, servo, register.address, pack(register, value), f"{name} = {value}")
+        after = self.read_register(clock, servo, name)
+        if after != value:
+            raise BusError(f"{servo} on bus {self.name} did not take {name} = {value}: it is {after}")
 
-    def settle(self, clock: Clock, servo: Wired) -> None:
-        """See that a servo's settings are those of a position servo without a profile of its own.
-
-        What it forgets without power is written; what it keeps is not ours to change unasked.
-
-        Raises:
-            BusError: a setting in its EEPROM is another.
-        """
-        for name, wanted in servo.model.cyclic.settings.items():
-            found = self.read_register(clock, servo, name)
-            if found == wanted:
-                continue
-            if servo.model[name].memory is Memory.EEPROM:
-                raise BusError(
-                    f"{servo} on bus {self.name} has {name} = {found}; to walk it needs {wanted}: "
-                    f"robotwalk servo write {servo.id} {name}={wanted} --raw")
-            self.write_register(clock, servo, name, wanted)
+    def restart(self, clock: Clock, servo: Wired, patience: int) -> None:
+        """Start a servo's firmware anew, torque off, and wait up to `patience` ns until it answers again."""
+        self.request(clock, self.protocol.reboot(servo.id), servo.id, 0)
+        deadline = clock.now() + patience
+        while clock.now() < deadline and self.request(clock, self.protocol.ping(servo.id), servo.id) is None:
+            pass
 
     def broadcast_torque_off(self) -> None:
         """Switch off the torque of all servos, without waiting for anything."""

@@ -7,7 +7,7 @@ Time is an integer count of nanoseconds on a clock that never goes back. Whateve
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from robotwalk.types import BusStatistics, JointState
+from robotwalk.types import BusStatistics, JointState, ServoCondition
 
 
 class BytePort(Protocol):
@@ -55,8 +55,17 @@ class ServoBus(Protocol):
         ...
 
     @property
-    def alerts(self) -> Sequence[str]:
-        """The joints whose servos reported a fault of their hardware in the last exchange."""
+    def alerts(self) -> Mapping[str, str]:
+        """What is wrong with servos, by their joints, in words that follow "the servo of lf_coxa"."""
+        ...
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """What the last arming mended or found worth telling, in words."""
+        ...
+
+    def conditions(self) -> Mapping[str, ServoCondition]:
+        """Return what each servo last told of itself, by its joint."""
         ...
 
     def arm(self, period: int, torque: float = 1.0) -> JointState:
@@ -67,7 +76,8 @@ class ServoBus(Protocol):
             torque: share of the largest output that the servos may use.
 
         Raises:
-            BusError: a servo is missing or is another model, or the bus is too slow. Torque is then off.
+            BusError: a servo is missing, is another model or not fit to walk, or the bus is too slow. Torque is then
+                off, unless the robot was found standing on it.
         """
         ...
 

@@ -12,7 +12,7 @@ from robotwalk.model import RobotModel
 from robotwalk.ports import ServoBus
 from robotwalk.recorder import Event, Recorder
 from robotwalk.supervisor import Request, State
-from robotwalk.types import LEVEL, STILL, BusStatistics, Command, JointState, Pose, Twist
+from robotwalk.types import LEVEL, STILL, BusStatistics, Command, JointState, Pose, ServoCondition, Twist
 
 _LONGEST_STAND_UP = 15.0  # s; so long as this, something blocks it
 _LONGEST_SIT_DOWN = 20.0  # s, the last steps included
@@ -183,6 +183,10 @@ class Robot:
             self._run(_LONGEST_SIT_DOWN, until=lambda tick: tick.state is State.READY, what="sit")
         self._disarm()
 
+    def conditions(self) -> Mapping[str, ServoCondition]:
+        """Return what each servo last told of itself, by its joint: voltage, temperature, current, faults."""
+        return self._bus.conditions()
+
     def bus_statistics(self) -> Mapping[str, BusStatistics]:
         """Return what each bus carried, by its name."""
         return self._bus.statistics()
@@ -240,6 +244,8 @@ class Robot:
             self._request(Request.DISARM)
             raise
         self._armed = True
+        for text in self._bus.notes:
+            self.note("audit", text)
         self.loop.begin(state)
 
     def _disarm(self) -> None:

@@ -10,8 +10,9 @@
 A fault takes every state with torque on to FAULT; from STOP nothing can fault.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from enum import Enum
+from types import MappingProxyType
 
 from robotwalk.errors import UsageError
 
@@ -77,7 +78,9 @@ class Supervisor:
             raise UsageError(f"cannot {request.value} in state {self.state.name}")
         self.state = after
 
-    def step(self, oldest_joint: tuple[str, float], seated: bool, alerts: Sequence[str] = ()) -> State:
+    def step(
+        self, oldest_joint: tuple[str, float], seated: bool, alerts: Mapping[str, str] = MappingProxyType({})
+    ) -> State:
         """Take note of the oldest joint sample (name, s), of alerts and of the body's height; return the state."""
         joint, age = oldest_joint
         self._stale_ticks = self._stale_ticks + 1 if age > self._stale_after else 0
@@ -86,7 +89,7 @@ class Supervisor:
             if self._stale_ticks >= _AGREEING:
                 self._fail(f"joint {joint} has not answered for {age:.2f} s")
             elif self._alert_ticks >= _AGREEING:
-                self._fail(f"the servo of {', '.join(alerts)} reports overload, heat or a wrong voltage")
+                self._fail("; ".join(f"the servo of {joint} {words}" for joint, words in alerts.items()))
         if seated:
             if self.state is State.SIT:
                 self.state = State.READY

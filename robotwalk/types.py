@@ -62,6 +62,23 @@ class JointState(NamedTuple):
     age: tuple[float, ...]  # s since the joint last answered
 
 
+class Measured(NamedTuple):
+    """A value that is read now and then."""
+
+    value: float
+    age: float  # s
+
+
+class ServoCondition(NamedTuple):
+    """What a servo last told of itself; None where it was never heard, or does not measure it."""
+
+    voltage: Measured | None  # V
+    temperature: Measured | None  # degC
+    current: Measured | None  # A
+    holds: bool | None  # whether its torque is on
+    faults: tuple[str, ...]  # of its hardware, in words
+
+
 class DriveResponse(NamedTuple):
     """How a joint's position servo follows a goal near rest: goal = q + damping q' + inertia q'' + friction sgn q'."""
 

@@ -8,7 +8,7 @@ from hal.maintenance.backup import Backup
 from hal.maintenance.identity import Identity
 from hal.maintenance.place import Place, is_vacant
 from hal.maintenance.servo import Change, Servo
-from hal.register_map import Access, Memory, ServoModel
+from hal.register_map import Access, ServoModel
 from robotwalk.errors import BusError, ServoError, UsageError
 
 _OFFSETS = ("homing_offset", "position_offset")  # of the old servo's horn, which the new one's is not
@@ -58,10 +58,7 @@ class Vacancy(NamedTuple):
                 raise UsageError(f"the backup is of an {old.model}; {self.joint} needs an {self.model.name}")
             rows = (self.model[name] for name in old.registers if name not in (*_ADDRESS, *_OFFSETS))
             wanted = {row.name: old.registers[row.name] for row in rows if row.access is Access.READ_WRITE}
-        kept = {
-            name: value for name, value in self.model.cyclic.settings.items()
-            if self.model[name].memory is Memory.EEPROM}
-        return {**wanted, "return_delay_time": 0, **kept}
+        return {**wanted, "return_delay_time": 0, **self.model.arming.require}
 
     def fill(self, servo: Servo, settings: Mapping[str, int]) -> list[Change]:
         """Set a servo up and bring it to the place; return what was changed. Everything is read back.

@@ -109,7 +109,7 @@ def _require_movable(servo: Servo) -> None:
     if faults:
         raise ServoError(
             f"{servo} reports a hardware error: {', '.join(faults)}; `robotwalk servo reboot {servo.id}` may clear it")
-    wanted = servo.model.cyclic.settings.get(_MODE)
+    wanted = servo.model.arming.require.get(_MODE)
     if wanted is not None and servo.read(_MODE) != wanted:
         raise ServoError(
             f"{servo} is not set to control its position: robotwalk servo write {servo.id} {_MODE}={wanted} --raw")

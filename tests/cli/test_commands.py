@@ -101,7 +101,7 @@ def test_list_faults_explains_what_a_script_may_hold(robotwalk: Run) -> None:
 def test_a_script_of_faults_befalls_a_walk(robotwalk: Run, tmp_path: Path) -> None:
     (tmp_path / "faults.yaml").write_text("- {at: 3, for: 0.3, fault: drop_reply, joint: rr_tibia}\n")
     report = robotwalk("walk", "hexapod", "--duration", "2", "--faults", "faults.yaml", "--json").json
-    assert report["bus"]["legs"]["lost_replies"] >= 29
+    assert 5 <= report["bus"]["legs"]["lost_replies"] <= 8, "asked in vain in ever fewer of 30 ticks"
     assert not report["fell"]
 
 

@@ -112,7 +112,7 @@ def test_statistics_count_the_bytes_of_the_plan(opened: Opener) -> None:
         if not plan.spread:
             # Stuffing may add a byte here and there; a late reply on a busy machine may miss the count.
             assert received >= (ticks * len(line.servos) - lost) / len(line.servos) * plan.always.rx_bytes * 0.98
-        assert after[name].bad_frames == 0 or lost
+        assert after[name].bad_frames == 0 or after[name].lost_replies, "what came too late is no frame"
     session.bus.close()
 
 

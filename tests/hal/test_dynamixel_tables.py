@@ -260,8 +260,12 @@ class TestAgainstTheManual:
         assert (cyclic.goal, cyclic.torque_cap) == ("goal_position", "goal_pwm")
         assert (cyclic.effort, cyclic.effort_full_scale) == (effort, full)
         assert (model.feedback.address, model.feedback.size) == (126, 10)
-        assert cyclic.settings == {
-            "operating_mode": 3, "drive_mode": 0, "homing_offset": 0, "profile_velocity": 0, "profile_acceleration": 0}
+        assert model.arming.require == {"operating_mode": 3, "drive_mode": 0, "homing_offset": 0}
+        assert model.arming.set == {
+            "status_return_level": 2, "bus_watchdog": 0, "profile_velocity": 0, "profile_acceleration": 0}
+        assert model.arming.explain == {"shutdown": model["shutdown"].default}
+        assert model.arming.position_limits == ("min_position_limit", "max_position_limit")
+        assert model.arming.restart_clears == ("overload",)
         assert telemetry.names == (
             "torque_enable", "hardware_error_status", "present_input_voltage", "present_temperature",
             *(["present_current"] if effort == "present_current" else []))

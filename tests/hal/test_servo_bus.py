@@ -15,6 +15,7 @@ from hal.servo_line import ServoLine
 from hal.wired import Wired
 from robotwalk.assembly import load_servo
 from robotwalk.errors import BusError
+from robotwalk.types import ServoCondition
 from sim_backend.device import Reply
 from sim_backend.dynamixel_device import DynamixelDevice
 from sim_backend.dynamixel_firmware import DynamixelServo
@@ -27,6 +28,8 @@ TICK = 2.0 * math.pi / 4096  # rad
 PERIOD = 10_000_000  # ns
 COUNT = 5
 FAST, PLAIN = 45, 44  # firmware with and without fast sync read
+
+INDIRECT_ADDRESS_1 = b"\xa8\x00"
 
 Tamper = Callable[[list[Reply]], list[Reply]]
 
@@ -99,9 +102,9 @@ def test_arming_holds_where_the_shafts_are_and_switches_torque_on(firmware: int)
 
 
 def writes(built: Rig) -> list[bytes]:
-    """The writes and sync writes that were sent, from the instruction on, without CRC."""
+    """The writes and sync writes that were sent, from the instruction on, without CRC, but for indirect addresses."""
     frames = [data[7:] for data in built.device.heard]
-    return [frame[:-2] for frame in frames if frame[0] in (0x03, 0x83)]
+    return [frame[:-2] for frame in frames if frame[0] in (0x03, 0x83) and frame[1:3] != INDIRECT_ADDRESS_1]
 
 
 def test_torque_comes_gently_limb_by_limb_after_the_goals() -> None:
@@ -374,8 +377,105 @@ def test_an_overheated_servo_raises_its_alert_in_the_cycle_and_its_data_still_co
     built.physics.temperature_c[2] = 90.0
     built.physics.step(np.zeros(COUNT), np.zeros(COUNT), built.clock.now() + 20_000_000)
     state = built.bus.exchange([0.0] * COUNT, PERIOD)
-    assert built.bus.alerts == ["j2"]
+    assert built.bus.alerts == {"j2": "reports overload, heat or a wrong voltage"}
     assert state.valid == (True,) * COUNT
+    next_tick(built)
+    assert built.bus.alerts == {"j2": "reports overheating"}, "it was asked what is wrong at once"
+
+
+def next_tick(built: Rig) -> None:
+    built.clock.wait((), built.clock.now() + PERIOD // 2)
+    built.bus.exchange([0.0] * COUNT, PERIOD)
+
+
+def test_every_servos_condition_is_read_in_turn_with_its_age() -> None:
+    built = armed()
+    assert set(built.bus.conditions().values()) == {ServoCondition(None, None, None, None, ())}
+    built.physics.supply_v[:] = 11.4
+    built.physics.temperature_c[3] = 41.0
+    built.physics.step(np.zeros(COUNT), np.zeros(COUNT), built.clock.now() + 1_000_000)
+    for _ in range(COUNT + 1):
+        next_tick(built)
+    conditions = built.bus.conditions()
+    assert list(conditions) == [f"j{i}" for i in range(COUNT)]
+    for joint, told in conditions.items():
+        assert told.voltage is not None
+        assert told.temperature is not None
+        assert told.voltage.value == pytest.approx(11.4)
+        assert told.temperature.value == (41.0 if joint == "j3" else 30.0)
+        assert 0.0 <= told.voltage.age <= (COUNT + 1) * 0.012
+        assert told.holds
+        assert told.current is None, "which this servo does not measure"
+
+
+def test_a_condition_is_one_short_read_of_gathered_registers() -> None:
+    built = armed()
+    built.bus.exchange([0.0] * COUNT, PERIOD)
+    next_tick(built)
+    reads = [data[4:-2] for data in built.device.heard if data[7] == 0x02]
+    assert reads == [bytes((1, 7, 0, 2, 224, 0, 5, 0))], "torque, error, voltage, temperature from indirect data 1"
+
+
+def test_whoever_has_another_map_is_read_where_the_registers_lie() -> None:
+    built = rig()
+    built.servos[0].write(168, (65).to_bytes(2, "little"))  # not ours, and not a start's
+    built.bus.arm(PERIOD)
+    built.device.heard.clear()
+    for _ in range(COUNT + 2):
+        next_tick(built)
+    reads = {(data[4], data[8]) for data in built.device.heard if data[7] == 0x02}
+    assert reads == {(1, 64), (1, 144), *((i, 224) for i in range(2, COUNT + 1))}
+    assert all(told.holds for told in built.bus.conditions().values())
+
+
+def test_a_servo_that_restarted_unnoticed_is_found_by_its_torque() -> None:
+    built = armed()
+    for _ in range(COUNT + 1):
+        next_tick(built)
+    assert built.bus.alerts == {}
+    built.servos[3].write(64, b"\0")
+    for _ in range(COUNT + 1):
+        next_tick(built)
+    assert built.bus.alerts == {"j3": "has let go: its torque is off, and nobody switched it off"}
+
+
+def test_a_return_delay_is_taken_out_and_told() -> None:
+    built = rig()
+    built.servos[1].write(9, b"\xfa")
+    built.bus.arm(PERIOD)
+    assert built.servos[1].table["return_delay_time"] == 0
+    assert built.bus.notes == ("return_delay_time set to 0; it was 500 us: j1 (id 2)",)
+
+
+def test_a_servo_that_only_was_overloaded_is_restarted_and_that_is_told() -> None:
+    built = armed()
+    built.physics.strained.add(1)
+    for _ in range(30):
+        built.clock.wait((), built.clock.now() + 100_000_000)
+        built.hold([0.0] * COUNT)
+    assert built.servos[1].table["hardware_error_status"] == 0x20
+    assert built.servos[1].table["torque_enable"] == 0
+    built.physics.strained.clear()
+    built.bus.arm(PERIOD)
+    assert built.servos[1].table["torque_enable"] == 1
+    assert built.bus.notes == ("had shut down for overload, and was restarted: j1 (id 2)",)
+    assert built.bus.alerts == {}
+
+
+def test_limits_that_keep_a_joint_from_its_range_are_told_with_the_cure() -> None:
+    built = rig()
+    built.servos[1].write(52, (1500).to_bytes(4, "little"))
+    with pytest.raises(BusError, match=(
+        r"j1 \(id 2\) on bus legs is limited to counts 1500 to 4095, its joint needs 1396 to 2700: "
+        r"robotwalk servo write 2 min_position_limit=1396 max_position_limit=2700 --raw")):
+        built.bus.arm(PERIOD)
+
+
+def test_what_is_unusual_but_harmless_is_told() -> None:
+    built = rig()
+    built.servos[2].write(63, b"\x04")
+    built.bus.arm(PERIOD)
+    assert built.bus.notes == ("shutdown is 4; the factory's is 52: j2 (id 3)",)
 
 
 def test_disarming_reaches_everyone_and_never_raises() -> None:

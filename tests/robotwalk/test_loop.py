@@ -16,7 +16,7 @@ from robotwalk.model import RobotModel
 from robotwalk.ports import BytePort
 from robotwalk.recorder import Row
 from robotwalk.supervisor import Request, State, Supervisor
-from robotwalk.types import BusStatistics, Command, DriveResponse, JointState, Twist
+from robotwalk.types import BusStatistics, Command, DriveResponse, JointState, ServoCondition, Twist
 
 RATE_HZ = 100
 PERIOD = 10_000_000  # ns
@@ -40,7 +40,8 @@ class PerfectBus:
 
     def __init__(self, model: RobotModel, clock: ManualClock) -> None:
         self.joints = model.joint_names
-        self.alerts: list[str] = []
+        self.alerts: dict[str, str] = {}
+        self.notes: tuple[str, ...] = ()
         self.written: list[tuple[float, ...]] = []
         self.exchange_ns = 4_000_000
         self.position = tuple(resting_angles(model, model.heights.sit))
@@ -61,6 +62,9 @@ class PerfectBus:
     def close(self) -> None: ...
 
     def statistics(self) -> Mapping[str, BusStatistics]:
+        return {}
+
+    def conditions(self) -> Mapping[str, ServoCondition]:
         return {}
 
     def _state(self) -> JointState:

@@ -46,7 +46,7 @@ def test_one_reply_in_twenty_lost_costs_samples_but_no_step() -> None:
 
     def lose_some(replies: list[Reply], now: int) -> list[Reply]:
         nonlocal count
-        if seconds(now) < 0.5:
+        if seconds(now) < 0.5 or sum(len(reply.data) for reply in replies) < 200:
             return replies
         count += 1
         return [] if count % 20 == 0 else replies
@@ -186,7 +186,7 @@ def test_a_servo_that_overheats_in_mid_walk_brings_the_robot_down() -> None:
             robot.observers.append(heat)
             robot.walk(vx=0.05, seconds=5.0)
 
-    with pytest.raises(SafetyStop, match="the servo of lm_tibia reports overload, heat or a wrong voltage"):
+    with pytest.raises(SafetyStop, match="the servo of lm_tibia reports overheating"):
         session()
     assert simulation.world.truth().base.z < 0.04
     assert all(servo.table["torque_enable"] == 0 for servo in simulation.world.servos)

@@ -1,0 +1,134 @@
+"""What servos tell of themselves beside their motion: voltage, temperature, current, faults, and whether they hold.
+
+Read in turn, one servo a tick, in the time that is left on the wire when goals and feedback are through. The request
+goes out last in a tick, and its answer is fetched as the next tick begins: nobody waits for it.
+"""
+
+from collections import deque
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from hal.encoding import unpack
+from hal.protocol import GroupReply, ServoProtocol
+from hal.register_map import Register
+from hal.wired import Wired
+from robotwalk.types import Measured, ServoCondition
+
+_NS = 1_000_000_000
+_GAP = 20  # bytes between registers, beyond which two reads are cheaper than one
+
+
+class Probe(NamedTuple):
+    """A read of some of a servo's registers: each with its place in the answer."""
+
+    servo: Wired
+    fields: tuple[tuple[Register, int], ...]
+    request: bytes
+    reply: GroupReply
+
+
+def probe(protocol: ServoProtocol, servo: Wired, address: int, fields: Sequence[tuple[Register, int]]) -> Probe:
+    """Return the read of registers that lie at these offsets behind an address."""
+    size = max(offset + register.size for register, offset in fields)
+    return Probe(servo, tuple(fields), *protocol.single_read(servo.id, address, size))
+
+
+def probes(protocol: ServoProtocol, servo: Wired) -> Iterator[Probe]:
+    """Return as few reads as bring a servo's whole condition."""
+    rows = sorted((servo.model[name] for name in servo.model.cyclic.telemetry.names), key=lambda row: row.address)
+    run: list[Register] = []
+    for row in rows:
+        if run and row.address - run[-1].end > _GAP:
+            yield _together(protocol, servo, run)
+            run = []
+        run.append(row)
+    yield _together(protocol, servo, run)
+
+
+def _together(protocol: ServoProtocol, servo: Wired, rows: Sequence[Register]) -> Probe:
+    base = rows[0].address
+    return probe(protocol, servo, base, [(row, row.address - base) for row in rows])
+
+
+class ConditionRota:
+    """Whose condition is read next, and what was read. Servos that report a fault come first."""
+
+    def __init__(self, protocol: ServoProtocol, servos: Sequence[Wired]) -> None:
+        self._servos = tuple(servos)
+        self._turns: deque[Probe] = deque()
+        self._hurried: deque[Probe] = deque()
+        self._counts: dict[tuple[int, str], tuple[int, int]] = {}  # by slot and register: counts, and when, ns
+        self._turns.extend(probe for servo in servos for probe in probes(protocol, servo))
+
+    def gather(self, probe: Probe) -> None:
+        """Read a servo's condition by this alone."""
+        others = [other for other in self._turns if other.servo.slot != probe.servo.slot]
+        self._turns = deque(sorted((*others, probe), key=lambda each: each.servo.slot))
+
+    def forget(self) -> None:
+        """Forget all that was read: torque was off then, or the servo was another."""
+        self._hurried.clear()
+        self._counts.clear()
+
+    def hurry(self, slot: int) -> None:
+        """Read next what is wrong with a servo."""
+        if any(probe.servo.slot == slot for probe in self._hurried):
+            return
+        self._hurried += (
+            probe for probe in self._turns
+            if probe.servo.slot == slot and self._says_what_is_wrong(probe))
+
+    def next(self, deaf: Collection[int]) -> Probe | None:
+        """Return the next read, None if there is nobody to ask; who is `deaf` (slots) would not answer."""
+        if self._hurried:
+            return self._hurried.popleft()
+        for _ in range(len(self._turns)):
+            self._turns.rotate(-1)
+            if self._turns[-1].servo.slot not in deaf:
+                return self._turns[-1]
+        return None
+
+    def note(self, probe: Probe, now: int) -> None:
+        """Keep what a read brought, if it brought anything."""
+        status = probe.reply.results[probe.servo.id]
+        if status is None or status.error:
+            return
+        for register, offset in probe.fields:
+            data = status.data[offset : offset + register.size]
+            if len(data) == register.size:
+                self._counts[probe.servo.slot, register.name] = unpack(register, data), now
+
+    def faults(self, servo: Wired) -> tuple[str, ...]:
+        """Return what is wrong with a servo, in words, as far as it was asked."""
+        name = servo.model.cyclic.telemetry.error
+        if name is None:
+            return ()
+        counts, _ = self._counts.get((servo.slot, name), (0, 0))
+        meanings = dict(enumerate(servo.model[name].flags))
+        return tuple(meanings.get(bit) or f"fault {bit}" for bit in range(8) if counts >> bit & 1)
+
+    def has_let_go(self, servo: Wired) -> bool:
+        """Tell whether a servo said that its torque is off."""
+        return self._counts.get((servo.slot, servo.model.cyclic.telemetry.torque), (1, 0))[0] == 0
+
+    def conditions(self, now: int) -> Mapping[str, ServoCondition]:
+        """Return what is known of each servo, by its joint."""
+        return {servo.joint: self._condition(servo, now) for servo in self._servos}
+
+    def _condition(self, servo: Wired, now: int) -> ServoCondition:
+        rows = servo.model.cyclic.telemetry
+        holds = self._measured(servo, rows.torque, now)
+        return ServoCondition(
+            self._measured(servo, rows.voltage, now), self._measured(servo, rows.temperature, now),
+            None if rows.current is None else self._measured(servo, rows.current, now),
+            None if holds is None else holds.value != 0, self.faults(servo))
+
+    def _measured(self, servo: Wired, name: str, now: int) -> Measured | None:
+        found = self._counts.get((servo.slot, name))
+        if found is None:
+            return None
+        return Measured(found[0] * servo.model[name].si_scale, (now - found[1]) / _NS)
+
+    def _says_what_is_wrong(self, probe: Probe) -> bool:
+        name = probe.servo.model.cyclic.telemetry.error
+        return name is None or any(register.name == name for register, _ in probe.fields)
