@@ -202,7 +202,7 @@ class Arming:
             lambda address, size: line.read(self._clock, servo, address, size, "its indirect addresses"),
             lambda address, data: line.write(self._clock, servo, address, data, "its indirect addresses"))
         if gathered is not None:
-            line.cycle.rota.gather(gathered)
+            line.cycle.watch.rota.gather(gathered)
 
     def _check_range(self, line: ServoLine, servo: Wired) -> None:
         """Refuse a servo whose own limits keep it from a part of its joint's range."""

@@ -93,10 +93,11 @@ class ConditionRota:
         status = probe.reply.results[probe.servo.id]
         if status is None or status.error:
             return
+        data, slot = status.data, probe.servo.slot
         for register, offset in probe.fields:
-            data = status.data[offset : offset + register.size]
-            if len(data) == register.size:
-                self._counts[probe.servo.slot, register.name] = unpack(register, data), now
+            end = offset + register.size
+            if end <= len(data):
+                self._counts[slot, register.name] = unpack(register, data[offset:end]), now
 
     def faults(self, servo: Wired) -> tuple[str, ...]:
         """Return what is wrong with a servo, in words, as far as it was asked."""

@@ -59,6 +59,7 @@ ping, reboot = _instructions.ping, _instructions.reboot  # AX servos do not know
 read, write = _instructions.read, _instructions.write
 reg_write, action = _instructions.reg_write, _instructions.action
 sync_write = _instructions.sync_write
+sync_writer = _instructions.sync_writer
 
 
 def single_read(servo_id: int, address: int, length: int) -> tuple[bytes, GroupReply]:

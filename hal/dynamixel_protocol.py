@@ -55,6 +55,7 @@ reg_write, action = _instructions.reg_write, _instructions.action
 factory_reset, clear = _instructions.factory_reset_but, _instructions.clear
 store_backup, restore_backup = _instructions.store_backup, _instructions.restore_backup
 sync_write, bulk_write = _instructions.sync_write, _instructions.bulk_write
+sync_writer = _instructions.sync_writer
 sync_read, fast_sync_read = _instructions.sync_read, _instructions.fast_sync_read
 
 

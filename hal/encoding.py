@@ -1,7 +1,7 @@
 """Raw register values <-> bytes, in the register's byte order; two's complement or sign and magnitude where signed."""
 
-from collections.abc import Iterator, Sequence
-from struct import Struct
+from collections.abc import Callable, Iterator, Sequence
+from struct import Struct, error
 
 from hal.register_map import Block, Register
 
@@ -28,6 +28,32 @@ def unpack(register: Register, data: bytes) -> int:
         raise ValueError(f"{register.name}: expected {register.size} bytes, got {len(data)}")
     value = int.from_bytes(data, register.byte_order, signed=register.signed)
     return value if register.sign_bit is None else _from_magnitude(value, register.sign_bit)
+
+
+def column(register: Register, ids: Sequence[int]) -> Callable[[Sequence[int]], bytes]:
+    """Return what packs a value (counts) of each servo, with its id before it, as a sync write wants them.
+
+    It raises ValueError where one does not fit.
+    """
+    order = "<" if register.byte_order == "little" else ">"
+    letter = _FORMATS[register.size]
+    sign = 0 if register.sign_bit is None else 1 << register.sign_bit
+    layout = Struct(order + ("B" + (letter.lower() if register.signed else letter)) * len(ids))
+    fields = [0] * (2 * len(ids))
+    fields[::2] = ids
+
+    def pack_all(values: Sequence[int]) -> bytes:
+        if sign:
+            if max(map(abs, values)) >= sign:
+                raise ValueError(f"{register.name}: one of {list(values)} leaves no room for its sign")
+            values = [value if value >= 0 else sign - value for value in values]
+        fields[1::2] = values
+        try:
+            return layout.pack(*fields)
+        except error as cause:
+            raise ValueError(f"{register.name}: {cause}; got {list(values)}") from None
+
+    return pack_all
 
 
 class BlockDecoder:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from hal.protocol import GroupReply, ServoProtocol
 from hal.roll_call import RollCall
-from hal.wired import FeedbackDecoder, Sample, Wired
+from hal.wired import Sample, Wired, feedback_decoder
 
 _KEPT = 64  # requests, ready made; when replies are lost the order of ids changes often
 
@@ -40,7 +40,8 @@ class Reader:
         self.way = way
         self.servos = {servo.id: servo for servo in servos}
         self._protocol = protocol
-        self._decoders = {servo.id: FeedbackDecoder(servo.model) for servo in servos}
+        self._places = {
+            servo.id: (servo.slot, servo.model.feedback.size, feedback_decoder(servo)) for servo in servos}
         self._blocks = {servo.id: servo.model.feedback for servo in servos}
         self._alike = len({(block.address, block.size) for block in self._blocks.values()}) == 1
         self._roll = RollCall(tuple(self.servos))
@@ -65,18 +66,20 @@ class Reader:
                     return
             yield self._reading(ids)
 
-    def samples(self, reading: Reading) -> Iterator[tuple[Wired, Sample | None, bool]]:
-        """Note who answered; return of each that was asked its sample, None if none came, and its alert."""
-        results, heard = reading.reply.results, set[int]()
+    def collect(self, reading: Reading) -> list[tuple[int, Sample | None, bool]]:
+        """Note who answered; return of each that was asked its slot, its sample if a good one came, and its alert."""
+        results, heard = reading.reply.results, []
+        found: list[tuple[int, Sample | None, bool]] = []
         for servo_id in reading.ids:
-            status, decoder, servo = results[servo_id], self._decoders[servo_id], self.servos[servo_id]
+            status, (slot, size, decode) = results[servo_id], self._places[servo_id]
             if status is None:
-                yield servo, None, False
+                found.append((slot, None, False))
                 continue
-            heard.add(servo_id)
-            good = not status.error and len(status.data) == decoder.size
-            yield servo, decoder.sample(servo, status.data) if good else None, status.alert
+            heard.append(servo_id)
+            good = not status.error and len(status.data) == size
+            found.append((slot, decode(status.data) if good else None, status.alert))
         self._roll.note(reading.ids, heard)
+        return found
 
     def _portions(self, ids: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
         return ((servo_id,) for servo_id in ids) if self.spreads else iter((ids,))

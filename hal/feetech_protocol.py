@@ -44,6 +44,7 @@ reg_write, action = _instructions.reg_write, _instructions.action
 factory_reset, reset_turns = _instructions.factory_reset, _instructions.reset_turns
 calibrate = _instructions.calibrate  # recent STS firmware knows it
 sync_write, sync_read = _instructions.sync_write, _instructions.sync_read
+sync_writer = _instructions.sync_writer
 
 
 def single_read(servo_id: int, address: int, length: int) -> tuple[bytes, GroupReply]:

@@ -1,8 +1,8 @@
 """The frames that bring every goal to its servo, in every tick."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
-from hal.encoding import pack
+from hal.encoding import column
 from hal.protocol import ServoProtocol
 from hal.register_map import Register
 from hal.wired import Wired
@@ -12,19 +12,29 @@ class GoalWriter:
     """Writes the goals of a wire's servos: one sync write for all whose goal registers lie alike."""
 
     def __init__(self, protocol: ServoProtocol, servos: Sequence[Wired]) -> None:
-        self._protocol = protocol
-        self._groups: dict[tuple[int, int], list[tuple[Wired, Register]]] = {}
+        groups: dict[Register, list[Wired]] = {}
         for servo in servos:
-            register = servo.model[servo.model.cyclic.goal]
-            self._groups.setdefault((register.address, register.size), []).append((servo, register))
+            groups.setdefault(servo.model[servo.model.cyclic.goal], []).append(servo)
+        self._groups = [_Group(protocol, register, group) for register, group in groups.items()]
 
     def frames(self, goals: Sequence[float]) -> bytes:
         """Return the frames that write the goals (rad, in the robot's joint order).
 
         Raises:
-            ValueError: a goal is NaN or infinite.
+            ValueError: a goal is NaN or infinite, or its register does not hold it.
         """
-        return b"".join(
-            self._protocol.sync_write(address, size, [
-                (servo.id, pack(register, servo.calibration.ticks(goals[servo.slot]))) for servo, register in group])
-            for (address, size), group in self._groups.items())
+        return b"".join([group.frame(goals) for group in self._groups])
+
+
+class _Group:
+    """Servos that share a sync write."""
+
+    def __init__(self, protocol: ServoProtocol, register: Register, servos: Sequence[Wired]) -> None:
+        ids = [servo.id for servo in servos]
+        self._pack = column(register, ids)
+        self._ticks: list[tuple[Callable[[float], int], int]] = [
+            (servo.calibration.ticks, servo.slot) for servo in servos]
+        self._write = protocol.sync_writer(register.address, register.size, ids)
+
+    def frame(self, goals: Sequence[float]) -> bytes:
+        return self._write(self._pack([ticks(goals[slot]) for ticks, slot in self._ticks]))

@@ -92,6 +92,12 @@ class Instructions:
             parts += (bytes((servo_id,)), data)
         return self._build(BROADCAST_ID, Instruction.SYNC_WRITE, b"".join(parts))
 
+    def sync_writer(self, address: int, length: int, ids: Sequence[int]) -> Callable[[bytes], bytes]:
+        """Return what makes a sync write to these servos of bytes that hold each id and, behind it, its data."""
+        self.check_ids(ids, 1 + length)
+        head, frame = self._range(address, length), self._frame
+        return lambda columns: frame(BROADCAST_ID, Instruction.SYNC_WRITE, head + columns)
+
     def sync_read(self, address: int, length: int, ids: Sequence[int]) -> bytes:
         """Read the same `length` bytes of every servo; each answers with a status, in the order of `ids`."""
         return self._group(Instruction.SYNC_READ, address, length, ids)

@@ -64,20 +64,21 @@ class JointReply:
 
     def _take_blocks(self, pending: bytes, crc: int) -> bytes:
         """Check and store the whole blocks of `pending`, return the bytes behind them."""
-        position = 0
+        position = checked = 0
         for expected, block in self._blocks[self._arrived :]:
             end = position + block.size
             if end > len(pending):
                 break
             error, servo_id, data, received = block.unpack_from(pending, position)
-            crc = crc16(pending[position : end - 2], crc)
+            crc = crc16(pending[checked : end - 2], crc)
+            checked = end - 2
             if not self.corrupt and (crc != received or servo_id != expected):
                 self.corrupt = True
                 self.bad_frames += 1
             if not self.corrupt:
                 self.results[servo_id] = Status(servo_id, error & ~ALERT, error >= ALERT, data)
-            crc = crc16(pending[end - 2 : end], crc)
             position = end
             self._arrived += 1
+        crc = crc16(pending[checked:position], crc)
         self._crc = crc
         return pending[position:]

@@ -6,10 +6,11 @@ A tick can spare 1.7 ms in all for servos that keep silent. Once these have pass
 asked first in the next tick.
 """
 
+import contextlib
 from collections.abc import Collection, Iterator, Sequence
 from itertools import chain
 
-from hal.condition import ConditionRota, Probe
+from hal.condition_watch import ConditionWatch
 from hal.feedback import Reader, Reading, readers
 from hal.goal_writer import GoalWriter
 from hal.protocol import ServoProtocol
@@ -26,20 +27,18 @@ class LineCycle:
 
     Attributes:
         outcome: the samples of this tick, by the joints' slots; None of those that were asked in vain.
-        rota: whose condition is read when; what they told.
-        watches: whether conditions are read at all.
+        watch: the reads of conditions.
         alerts: whether the servo of a slot reported a fault when it last answered.
-        deadline: until when the present answer is waited for, ns.
+        quiet_until: before when the present answer cannot be whole, ns: no need to look.
+        deadline: until when it is waited for, ns.
     """
 
     def __init__(self, wire: Wire, protocol: ServoProtocol, servos: Sequence[Wired]) -> None:
         self.transactions = self.lost_replies = self.bad_frames = 0
-        self.deadline = 0
+        self.quiet_until = self.deadline = 0
         self.outcome: dict[int, Sample | None] = {}
         self.alerts: dict[int, bool] = {}
-        self.rota = ConditionRota(protocol, servos)
-        self.watches = False
-        self._probe: Probe | None = None  # sent, not yet answered
+        self.watch = ConditionWatch(wire, protocol, servos)
         self._deaf: set[int] = set()  # slots of those who did not answer when last asked
         self._next_tick = 0  # ns
         self._wire = wire
@@ -61,11 +60,6 @@ class LineCycle:
         """Return what writes the goals (rad, in the robot's joint order), if any. Raises ValueError on NaN and inf."""
         return b"" if goals is None else self._goals.frames(goals)
 
-    def rest(self) -> None:
-        """Expect nothing more: others are about to use the wire."""
-        self.watches = False
-        self._probe = None
-
     def begin(self, goal_frames: bytes, now: int, latest: int, next_tick: int, patience: int) -> bool:
         """Send the goals and the first read, once the condition asked for before has come.
 
@@ -79,7 +73,7 @@ class LineCycle:
         # Whoever had to stand back in this tick comes first in the next.
         self.readers = [*self.readers[1:], *self.readers[:1]]
         self._agenda = chain.from_iterable(map(_with_readings, self.readers))
-        return self.advance(now)
+        return self._first(now)
 
     def advance(self, now: int) -> bool:
         """Take the bytes that have come, and ask on; return whether more may come.
@@ -87,93 +81,76 @@ class LineCycle:
         A dead port costs its own joints their samples, not the other wires theirs.
         """
         if self._current is None:
-            return self._await_condition(now) or self._continue(now)
+            return self._first(now)
         reader, reading = self._current
         try:
             reading.reply.feed(self._wire.receive())
         except BusError:
             self._conclude(reader, reading)
             return False
-        if not reading.reply.complete and now < self.deadline:
-            return True
         if not reading.reply.complete:
+            if now < self.deadline:
+                return True
             self._patience -= max(now - self._expected, 0)
         self._conclude(reader, reading)
         return self._continue(now)
 
-    def _continue(self, now: int) -> bool:
-        """Send the next request for which there is time."""
+    def _first(self, now: int) -> bool:
+        """Send the first request, unless the answer to the last question of the tick before is still on its way."""
+        with contextlib.suppress(BusError):
+            data = self._wire.receive()  # what came too late goes: no reply is taken for the next one's
+            if self.watch.pending and self.watch.hear(data, now):
+                self.quiet_until, self.deadline = now, self.watch.deadline
+                return True
+        return self._continue(now, drop=False)
+
+    def _continue(self, now: int, *, drop: bool = True) -> bool:
+        """Send the next request for which there is time, when what has come too late has been dropped."""
         self._current = next(self._agenda, None) if self._patience >= _LEAST_PATIENCE or self._before else None
         if self._current is None:
-            self._ask_condition(now)
-            return False
+            return self._end(now)
         reader, reading = self._current
-        wire = self._wire
-        expected = now + wire.duration(len(self._before)) + wire.round_trip(reading.request, reading.reply)
+        wire, frames = self._wire, self._before + reading.request
+        expected = now + wire.round_trip(frames, reading.reply)
         if not self._before and self.outcome and expected + wire.latency > self._latest:
             self._current = None
-            self._ask_condition(now)
-            return False
+            return self._end(now)
+        self.quiet_until = expected + wire.latency
         self._expected = expected + wire.latency + wire.latency // 4
         self.deadline = min(self._expected + self._patience, self._latest)
         reading.reply.reset()
         self._bad_before = reading.reply.bad_frames
-        frames, self._before = self._before + reading.request, b""
+        self._before = b""
         try:
-            wire.receive()  # what came too late: no reply is taken for the next one's
+            if drop:
+                wire.receive()
             wire.send(frames)
         except BusError:
             self._conclude(reader, reading)
             return False
+        self.bad_frames += self.watch.digest()  # now that the wire is busy
         return True
+
+    def _end(self, now: int) -> bool:
+        with contextlib.suppress(BusError):
+            self.watch.ask(now, self._next_tick, self._deaf)
+        return False
 
     def _conclude(self, reader: Reader, reading: Reading) -> None:
         """Keep what a reading brought."""
         self._current = None
         self.bad_frames += reading.reply.bad_frames - self._bad_before
-        for servo, sample, alert in reader.samples(reading):
-            self.outcome[servo.slot] = sample
+        for slot, sample, alert in reader.collect(reading):
+            self.outcome[slot] = sample
             if sample is None:
                 self.lost_replies += 1
-                self._deaf.add(servo.slot)
+                self._deaf.add(slot)
                 continue
-            self._deaf.discard(servo.slot)
-            if alert and not self.alerts.get(servo.slot):
-                self.rota.hurry(servo.slot)
-            self.alerts[servo.slot] = alert
-
-    def _ask_condition(self, now: int) -> None:
-        """Ask one servo for its condition, if the answer can be here before the next tick."""
-        probe = self.rota.next(self._deaf) if self.watches else None
-        if probe is None:
-            return
-        due = now + self._wire.round_trip(probe.request, probe.reply) + self._wire.latency + PATIENCE
-        if due > self._next_tick:
-            return
-        probe.reply.reset()
-        self._bad_before = probe.reply.bad_frames
-        try:
-            self._wire.send(probe.request)
-        except BusError:
-            return
-        self._probe, self.deadline = probe, due
-
-    def _await_condition(self, now: int) -> bool:
-        """Take the answer about a condition, if one is due; return whether it may still come."""
-        probe = self._probe
-        if probe is None:
-            return False
-        try:
-            probe.reply.feed(self._wire.receive())
-        except BusError:
-            self._probe = None
-            return False
-        if not probe.reply.complete and now < self.deadline:
-            return True
-        self._probe = None
-        self.bad_frames += probe.reply.bad_frames - self._bad_before
-        self.rota.note(probe, now)
-        return False
+            self._deaf.discard(slot)
+            if alert is not self.alerts.get(slot, False):
+                self.alerts[slot] = alert
+                if alert:
+                    self.watch.rota.hurry(slot)
 
 
 def _with_readings(reader: Reader) -> Iterator[tuple[Reader, Reading]]:

@@ -3,7 +3,7 @@
 A protocol is a module of pure functions and two classes: frames out, statuses in, no I/O.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple, Protocol
 
 
@@ -139,6 +139,10 @@ class ServoProtocol(Protocol):
 
     def sync_write(self, address: int, length: int, items: Iterable[tuple[int, bytes]]) -> bytes:
         """Write `length` bytes of its own to each (id, data), in one frame that nobody answers."""
+        ...
+
+    def sync_writer(self, address: int, length: int, ids: Sequence[int]) -> Callable[[bytes], bytes]:
+        """Return what makes a sync write to these servos of bytes that hold each id and, behind it, its data."""
         ...
 
     def single_read(self, servo_id: int, address: int, length: int) -> tuple[bytes, GroupReply]:

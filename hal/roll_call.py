@@ -20,10 +20,13 @@ class RollCall:
         self._turn = dict.fromkeys(ids, 0)  # by which question
         self._misses = dict.fromkeys(ids, 0)  # in a row, of those that can be blamed for them
         self._unheard: set[int] = set()  # behind somebody silent
+        self._steady = True  # all were asked at once, and all answered
 
-    def next(self) -> list[int]:
+    def next(self) -> Sequence[int]:
         """Begin a tick; return who is to be asked in it, in that order. It is never nobody."""
         self._tick += 1
+        if self._steady:
+            return self._ids
         speaking = [servo_id for servo_id in self._ids if not self._misses[servo_id]]
         speaking.sort(key=lambda servo_id: (servo_id not in self._unheard, self._turn[servo_id]))
         silent = [servo_id for servo_id in self._ids if self._misses[servo_id] and self._due(servo_id) <= self._tick]
@@ -35,6 +38,9 @@ class RollCall:
 
     def note(self, asked: Sequence[int], heard: Collection[int]) -> None:
         """Take note of who answered of those who were asked at once."""
+        if self._steady and len(asked) == len(heard) == len(self._ids):
+            return
+        self._steady = False
         blamed = False
         self._question += 1
         for servo_id in asked:
@@ -47,6 +53,9 @@ class RollCall:
                 self._misses[servo_id] += 1
             elif not self._misses[servo_id]:
                 self._unheard.add(servo_id)
+
+        if not self._unheard and len(asked) == len(heard) == len(self._ids):
+            self._steady = True
 
     def _due(self, servo_id: int) -> int:
         """Return the tick from which on a silent servo is asked again."""

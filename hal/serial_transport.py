@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import os
+import select
 import termios
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -98,10 +99,15 @@ class SerialPort:
         Raises:
             BusError: the line is gone.
         """
+        # Not by pyserial, which asks twice whether there is anything.
         try:
-            data: bytes = self._line.read(_CHUNK)
-        except (serial.SerialException, OSError) as error:
-            raise BusError(f"{self._url} is gone: {error}") from error
+            data = os.read(self._fileno, _CHUNK)
+        except BlockingIOError:
+            return b""
+        except OSError as error:
+            raise BusError(f"{self._url} is gone: {error.strerror}") from error
+        if not data and select.select([self._fileno], [], [], 0)[0]:
+            raise BusError(f"{self._url} is gone: it ends")
         return data
 
     def close(self) -> None:

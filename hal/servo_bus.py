@@ -54,9 +54,9 @@ class SerialServoBus:
             cycle = line.cycle
             for servo in line.servos:
                 if cycle.alerts.get(servo.slot):
-                    faults = ", ".join(cycle.rota.faults(servo)) or "overload, heat or a wrong voltage"
+                    faults = ", ".join(cycle.watch.rota.faults(servo)) or "overload, heat or a wrong voltage"
                     found[servo.joint] = f"reports {faults}"
-                elif cycle.watches and cycle.rota.has_let_go(servo):
+                elif cycle.watch.on and cycle.watch.rota.has_let_go(servo):
                     found[servo.joint] = "has let go: its torque is off, and nobody switched it off"
         return found
 
@@ -64,7 +64,8 @@ class SerialServoBus:
         """Return what each servo last told of itself, by its joint."""
         now = self._clock.now()
         return {
-            joint: condition for line in self._lines for joint, condition in line.cycle.rota.conditions(now).items()}
+            joint: condition for line in self._lines
+            for joint, condition in line.cycle.watch.rota.conditions(now).items()}
 
     def arm(self, period: int, torque: float = 1.0) -> JointState:
         """Find every servo, let it hold where it is, switch torque on, limb by limb and gently.
@@ -95,8 +96,8 @@ class SerialServoBus:
         finally:
             self.notes = tuple(arming.notes)
         for line in self._lines:
-            line.cycle.rota.forget()  # torque was off, or it may have been
-            line.cycle.watches = True
+            line.cycle.watch.rota.forget()  # torque was off, or it may have been
+            line.cycle.watch.on = True
         return state
 
     def exchange(self, goals: Sequence[float], period: int) -> JointState:
@@ -137,10 +138,10 @@ class SerialServoBus:
 
     def _rest(self) -> None:
         """Read no more conditions, and let what is under way come to its end."""
-        if any(line.cycle.watches for line in self._lines):
+        if any(line.cycle.watch.on for line in self._lines):
             self._pause(_QUIET)
         for line in self._lines:
-            line.cycle.rest()
+            line.cycle.watch.rest()
 
     def statistics(self) -> Mapping[str, BusStatistics]:
         """Return what each bus carried, by its name."""
@@ -167,8 +168,13 @@ class SerialServoBus:
         pending = [
             line for line, frame in zip(self._lines, frames, strict=True)
             if line.cycle.begin(frame, start, latest, start + period, patience)]
+        now = start
         while pending:
-            self._clock.wait([line.port for line in pending], min(line.cycle.deadline for line in pending))
+            quiet_until = min(line.cycle.quiet_until for line in pending)
+            if quiet_until > now:
+                self._clock.wait((), quiet_until)  # a reply may come in many pieces: not every one is worth waking for
+            else:
+                self._clock.wait([line.port for line in pending], min(line.cycle.deadline for line in pending))
             now = self._clock.now()
             pending = [line for line in pending if line.cycle.advance(now)]
         return self._state(self._clock.now())
@@ -181,9 +187,10 @@ class SerialServoBus:
                 if sample is not None:
                     self._position[slot], self._velocity[slot], self._effort[slot] = sample
                     heard[slot] = now
-        age = tuple((now - then) / _NS for then in heard)
+        age = tuple([(now - then) / _NS for then in heard])
         for line in self._lines:
-            oldest = max(age[servo.slot] for servo in line.servos)
-            self._max_age[line.name] = max(self._max_age[line.name], oldest)
+            oldest = max([age[slot] for slot in line.slots])
+            if oldest > self._max_age[line.name]:
+                self._max_age[line.name] = oldest
         return JointState(
             tuple(self._position), tuple(self._velocity), tuple(self._effort), tuple(valid), age)

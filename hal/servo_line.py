@@ -22,6 +22,7 @@ class ServoLine:
     ) -> None:
         self.name = name
         self.servos = tuple(servos)
+        self.slots = tuple(servo.slot for servo in servos)
         self.protocol = protocol
         self.wire = Wire(port, baud)
         self.cycle = LineCycle(self.wire, protocol, servos)

@@ -1,5 +1,6 @@
 """A servo in its place: which joint it moves, and how its counts become the joint's SI units."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from hal.calibration import Calibration
@@ -31,24 +32,18 @@ class Sample(NamedTuple):
     effort: float  # share of the largest output
 
 
-class FeedbackDecoder:
-    """Reads the feedback of servos of one model."""
+def feedback_decoder(servo: Wired) -> Callable[[bytes], Sample]:
+    """Return what converts a servo's feedback, as many bytes as its model's block has, to its joint's SI units."""
+    model, calibration = servo.model, servo.calibration
+    cyclic, block = model.cyclic, model.feedback
+    names = [register.name for register in block.registers]
+    position, velocity, effort = map(names.index, (cyclic.position, cyclic.velocity, cyclic.effort))
+    unpack, angle, direction = BlockDecoder(block).unpack, calibration.angle, calibration.direction
+    speed_scale = direction * model[cyclic.velocity].si_scale
+    effort_scale = direction / cyclic.effort_full_scale
 
-    def __init__(self, model: ServoModel) -> None:
-        cyclic, block = model.cyclic, model.feedback
-        self.size = block.size
-        self._decoder = BlockDecoder(block)
-        names = [register.name for register in block.registers]
-        self._position, self._velocity = names.index(cyclic.position), names.index(cyclic.velocity)
-        self._effort = names.index(cyclic.effort)
-        self._speed_scale = model[cyclic.velocity].si_scale
-        self._effort_scale = 1.0 / cyclic.effort_full_scale
+    def sample(data: bytes) -> Sample:
+        values = unpack(data)
+        return Sample(angle(values[position]), values[velocity] * speed_scale, values[effort] * effort_scale)
 
-    def sample(self, servo: Wired, data: bytes) -> Sample:
-        """Convert a servo's feedback, `size` bytes, to its joint's SI units."""
-        values, calibration = self._decoder.unpack(data), servo.calibration
-        return Sample(
-            calibration.angle(values[self._position]),
-            calibration.speed(values[self._velocity], self._speed_scale),
-            calibration.direction * values[self._effort] * self._effort_scale,
-        )
+    return sample

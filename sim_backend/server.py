@@ -11,10 +11,12 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import Protocol
 
 from robotwalk.model import RobotModel
 from sim_backend.endpoint import Endpoint
 from sim_backend.real_time import RealTime, sharpen_timers
+from sim_backend.simulated_clock import SimulatedClock
 from sim_backend.simulation import SimulatedRobot
 from sim_backend.truth_stream import TruthStream
 from sim_backend.wire import SimulatedPort
@@ -23,11 +25,25 @@ _NS = 1_000_000_000
 _WARM_UP = 100_000_000  # ns simulated: it comes to rest on its belly, and all code that will run has run
 
 
+class Ported(Protocol):
+    """What a server needs of what it serves."""
+
+    @property
+    def clock(self) -> SimulatedClock:
+        """Its time."""
+        ...
+
+    @property
+    def ports(self) -> Mapping[str, SimulatedPort]:
+        """The host's end of each bus."""
+        ...
+
+
 class Server:
     """Couples the ports of a simulated robot to endpoints that programs open, and its clock to the wall's."""
 
     def __init__(
-        self, robot: SimulatedRobot, endpoints: Mapping[str, Endpoint], pace: RealTime, warn: Callable[[str], None],
+        self, robot: Ported, endpoints: Mapping[str, Endpoint], pace: RealTime, warn: Callable[[str], None],
     ) -> None:
         """Serve each bus at the endpoint of its name. `warn` is told, once, when the computer is too slow."""
         self._clock = robot.clock

@@ -5,6 +5,7 @@ from robotwalk.assembly.blueprint import BusLoad as BusLoad
 from robotwalk.assembly.blueprint import bus_loads as bus_loads
 from robotwalk.assembly.blueprint import load as load
 from robotwalk.assembly.blueprint import load_servo as load_servo
+from robotwalk.assembly.bus_bench import measure_bus as measure_bus
 from robotwalk.assembly.session import RATE_HZ as RATE_HZ
 from robotwalk.assembly.session import Session as Session
 from robotwalk.assembly.session import check_rate as check_rate

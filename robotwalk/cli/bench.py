@@ -11,7 +11,7 @@ from robotwalk.errors import UsageError
 from robotwalk.loop import Tick
 from robotwalk.robot import LONGEST_WALK, Robot
 
-app = App(name="bench", help="Measure the tick or the simulation on this computer.")
+app = App(name="bench", help="Measure the tick, the bus or the simulation on this computer.")
 
 _STANDING_UP_S = 3.0  # roughly; only the progress line relies on it
 Json = Annotated[bool, Parameter(name="--json", negative="", help="one JSON object on stdout")]
@@ -64,6 +64,54 @@ def sim(robot: str = "hexapod", /, *, rate: int = 200, seconds: float = 10.0, js
             "bare_mj_step_factor": round(bare, 2), "ratio": round(factor / bare, 4)})
     else:
         say(f"{robot} at {rate} Hz: {factor:.1f} x real time; bare mj_step {bare:.1f} x (ratio {factor / bare:.2f})")
+
+
+@app.command
+def bus(
+    robot: str = "hexapod", /, *, rate: int = assembly.RATE_HZ, baud: int | None = None, seconds: float = 5.0,
+    json: Json = False,
+) -> None:
+    """Time the exchange with fake servos on wire-timed pseudo terminals, beside the vendor's SDK.
+
+    Goals to all servos, position, velocity and effort back. Then again with a servo silent.
+
+    Parameters
+    ----------
+    robot
+        A bundled name or a YAML file.
+    rate
+        Exchanges per second.
+    baud
+        Of all buses, in place of the robot's own.
+    seconds
+        How long to measure each.
+    """
+    with progress_line() as progress:
+        figures = assembly.measure_bus(robot, rate_hz=rate, baud=baud, seconds=seconds, progress=progress)
+    ours, wire = figures.ours, figures.wire
+    bauds = sorted(set(figures.bauds.values()))
+    if json:
+        write_json({
+            "robot": robot, "baud": bauds[0] if len(bauds) == 1 else figures.bauds, "servos": figures.servos,
+            "buses": len(figures.bauds), "rate_hz": rate,
+            "exchange_ms": {"p50": round(1e3 * ours.p50, 3), "p99": round(1e3 * ours.p99, 3)},
+            "wire_ms": round(1e3 * wire, 3), "ratio": round(ours.p50 / wire, 3), "cpu_us": round(1e6 * ours.cpu, 1),
+            "silent_servo_extra_ms": round(1e3 * figures.silent_extra, 3),
+            "back_to_back_hz": round(figures.fastest_hz, 1),
+            "reference": {
+                name: {"exchange_ms": round(1e3 * pace.p50, 3), "cpu_us": round(1e6 * pace.cpu, 1)}
+                for name, pace in ([figures.reference] if figures.reference else [])}})
+        return
+    say(
+        f"{robot}: {figures.servos} servos on {len(figures.bauds)} bus(es) at {', '.join(map(str, bauds))} baud: an "
+        f"exchange takes {1e3 * ours.p50:.2f} ms (p99 {1e3 * ours.p99:.2f} ms), {ours.p50 / wire:.2f} x the "
+        f"{1e3 * wire:.2f} ms of its bytes, and {1e6 * ours.cpu:.0f} us of processor time")
+    say(
+        f"  a silent servo adds {1e3 * figures.silent_extra:.2f} ms to a tick that waits for it; back to back "
+        f"{figures.fastest_hz:.0f} Hz")
+    if figures.reference:
+        name, pace = figures.reference
+        say(f"  {name}: {1e3 * pace.p50:.2f} ms, and {1e6 * pace.cpu:.0f} us of processor time")
 
 
 def _walk(robot: Robot, seconds: float) -> tuple[float, int]:

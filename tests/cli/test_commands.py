@@ -159,3 +159,22 @@ def test_bench_reports_the_fields_of_the_contract(robotwalk: Run) -> None:
     sim = robotwalk("bench", "sim", "--rate", "100", "--seconds", "1", "--json").json
     assert set(sim) == {"schema", "robot", "rate_hz", "realtime_factor", "bare_mj_step_factor", "ratio"}
     assert 0.0 < sim["ratio"] < 1.0
+
+
+def test_bench_bus_measures_bytes_on_a_wire_beside_the_vendors_sdk(robotwalk: Run) -> None:
+    found = robotwalk("bench", "bus", "quadruped", "--rate", "50", "--seconds", "0.5", "--json").json
+    assert set(found) == {
+        "schema", "robot", "baud", "servos", "buses", "rate_hz", "exchange_ms", "wire_ms", "ratio", "cpu_us",
+        "silent_servo_extra_ms", "back_to_back_hz", "reference"}
+    assert (found["baud"], found["servos"], found["buses"]) == (1_000_000, 12, 1)
+    assert found["exchange_ms"]["p50"] >= found["wire_ms"] > 1.0, "no exchange is quicker than its bytes"
+    assert found["exchange_ms"]["p50"] / found["wire_ms"] == pytest.approx(found["ratio"], abs=0.01)
+    assert found["cpu_us"] > 0.0
+    assert set(found["reference"]) == {"scservo-sdk"}
+    assert found["reference"]["scservo-sdk"]["exchange_ms"] >= 0.9 * found["wire_ms"]
+
+
+def test_bench_bus_at_a_baud_that_the_servos_do_not_have(robotwalk: Run) -> None:
+    result = robotwalk("bench", "bus", "quadruped", "--baud", "4000000")
+    assert result.code == 2
+    assert "sts3215 does not have 4000000 baud; it has 1000000, 500000" in result.err

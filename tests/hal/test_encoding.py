@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scservo_sdk import SCS_TOHOST, SCS_TOSCS
 
-from hal.encoding import BlockDecoder, pack, unpack
-from hal.register_map import Block
+from hal.encoding import BlockDecoder, column, pack, unpack
+from hal.register_map import Block, Register
 from robotwalk.assembly import load_servo
 
 STS, SCS = load_servo("sts3215"), load_servo("scs15")
@@ -131,3 +131,18 @@ class TestBlock:
         values = [position, velocity, load]
         data = b"".join(pack(SCS[name], value) for name, value in zip(names, values, strict=True))
         assert BlockDecoder(SCS.feedback).unpack(data) == values
+
+
+REGISTERS = [load_servo(name)["goal_position"] for name in ("xl430-w250", "ax-12a", "sts3215", "scs15")]
+
+
+@given(st.sampled_from(REGISTERS), st.lists(st.integers(-(2**33), 2**33) | st.integers(-3000, 3000), min_size=1))
+def test_a_column_of_goals_is_packed_as_each_alone(register: Register, values: list[int]) -> None:
+    ids = list(range(1, len(values) + 1))
+    try:
+        alone = b"".join(bytes((i,)) + pack(register, value) for i, value in zip(ids, values, strict=True))
+    except ValueError:
+        with pytest.raises(ValueError, match=r"^goal_position: "):
+            column(register, ids)(values)
+        return
+    assert column(register, ids)(values) == alone

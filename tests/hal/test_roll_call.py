@@ -14,7 +14,7 @@ def ticks(roll: RollCall, dead: Set[int], count: int, *, later_ids_answer: bool)
     """Let `dead` servos be silent for some ticks, as if one reply held all; return who was asked."""
     asked = []
     for _ in range(count):
-        ids = roll.next()
+        ids = list(roll.next())
         asked.append(ids)
         first = next((i for i, servo_id in enumerate(ids) if servo_id in dead), len(ids))
         heard = set(ids) - dead if later_ids_answer else set(ids[:first])

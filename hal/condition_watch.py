@@ -1,0 +1,71 @@
+"""One wire's reads of conditions, beside the exchange: asked as the last thing in a tick, heard as the next begins."""
+
+from collections.abc import Collection, Sequence
+
+from hal.condition import ConditionRota, Probe
+from hal.protocol import ServoProtocol
+from hal.wire import Wire
+from hal.wired import Wired
+
+_PATIENCE = 1_700_000  # ns past the time that the bytes take
+
+
+class ConditionWatch:
+    """Has at most one question under way.
+
+    Attributes:
+        on: whether conditions are read at all.
+        rota: whose turn it is, and what was told.
+        deadline: until when the present answer is waited for, ns.
+    """
+
+    def __init__(self, wire: Wire, protocol: ServoProtocol, servos: Sequence[Wired]) -> None:
+        self.on = False
+        self.rota = ConditionRota(protocol, servos)
+        self.deadline = 0
+        self._wire = wire
+        self._asked: Probe | None = None
+        self._data = b""  # that has come
+        self._heard_at = 0  # ns
+
+    def rest(self) -> None:
+        """Ask nothing more, and expect nothing: others are about to use the wire."""
+        self.on = False
+        self._asked = None
+
+    @property
+    def pending(self) -> bool:
+        """Whether an answer is due, or has come and was not looked at yet."""
+        return self._asked is not None
+
+    def ask(self, now: int, next_tick: int, deaf: Collection[int]) -> None:
+        """Ask the next servo but those who are deaf (slots), if its answer can be here by `next_tick`.
+
+        Raises:
+            BusError: the port is dead.
+        """
+        probe = self.rota.next(deaf) if self.on else None
+        if probe is None:
+            return
+        due = now + self._wire.round_trip(probe.request, probe.reply) + self._wire.latency + _PATIENCE
+        if due <= next_tick:
+            self._wire.send(probe.request)
+            self._asked, self.deadline, self._data = probe, due, b""
+
+    def hear(self, data: bytes, now: int) -> bool:
+        """Take bytes; return whether more are to be waited for."""
+        assert self._asked is not None
+        self._data += data
+        self._heard_at = now
+        return len(self._data) < self._asked.reply.size and now < self.deadline
+
+    def digest(self) -> int:
+        """Look at what has come, when there is time for that; return how many garbled frames it held."""
+        probe, self._asked = self._asked, None
+        if probe is None:
+            return 0
+        before = probe.reply.bad_frames
+        probe.reply.reset()
+        probe.reply.feed(self._data)
+        self.rota.note(probe, self._heard_at)
+        return probe.reply.bad_frames - before

@@ -1,0 +1,83 @@
+"""The same exchange through the vendors' SDKs, as their examples do it: what ours is measured beside."""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import dynamixel_sdk
+import scservo_sdk
+
+from hal.encoding import pack
+from hal.wired import Wired
+from robotwalk.errors import BusError
+
+_SDKS = {"dynamixel-2.0": (dynamixel_sdk, 2.0), "dynamixel-1.0": (dynamixel_sdk, 1.0), "feetech-sts": (scservo_sdk, 0)}
+_LITTLE_ENDIAN = 0
+
+Exchange = Callable[[], None]
+
+
+def vendor_of(servos: Sequence[Wired]) -> str | None:
+    """Return the name of the SDK that knows all these servos, if one does."""
+    modules = {_SDKS.get(servo.model.protocol, (None, 0))[0] for servo in servos}
+    module = modules.pop()
+    return module.__name__.replace("_", "-") if module is not None and not modules else None
+
+
+class VendorLines:
+    """The servos of some buses, each bus opened by its vendor's SDK."""
+
+    def __init__(
+        self, urls: Mapping[str, str], bauds: Mapping[str, int], wiring: Mapping[str, Sequence[Wired]]
+    ) -> None:
+        """Open the ports. Raises BusError if the SDK cannot."""
+        self._ports: list[Any] = []
+        self._steps: list[Exchange] = []
+        for bus, url in urls.items():
+            sdk, version = _SDKS[wiring[bus][0].model.protocol]
+            port = sdk.PortHandler(url)
+            self._ports.append(port)
+            if not port.openPort() or not port.setBaudRate(bauds[bus]):
+                raise BusError(f"{sdk.__name__} does not open {url} at {bauds[bus]} baud")
+            self._steps += _steps(sdk, port, sdk.PacketHandler(version or _LITTLE_ENDIAN), wiring[bus])
+
+    def exchange(self) -> None:
+        """Write all goals and read all feedback, one bus after the other, as these SDKs must."""
+        for step in self._steps:
+            step()
+
+    def close(self) -> None:
+        """Give the ports back."""
+        for port in self._ports:
+            port.closePort()
+
+
+def _steps(sdk: Any, port: Any, handler: Any, servos: Sequence[Wired]) -> list[Exchange]:
+    model = servos[0].model
+    goal, feedback = model[model.cyclic.goal], model.feedback
+    writer = sdk.GroupSyncWrite(port, handler, goal.address, goal.size)
+    goals = {servo.id: list(pack(goal, servo.model.encoder.centre)) for servo in servos}
+
+    def write() -> None:
+        writer.clearParam()
+        for servo_id, data in goals.items():
+            writer.addParam(servo_id, data)
+        writer.txPacket()
+
+    if not model.sync_read:
+        reads = [partial(handler.readTxRx, port, servo.id, feedback.address, feedback.size) for servo in servos]
+        return [write, *reads]
+    reader = sdk.GroupSyncRead(port, handler, feedback.address, feedback.size)
+    for servo in servos:
+        reader.addParam(servo.id)
+
+    def read() -> None:
+        if model.fast_sync_read_firmware is not None:
+            reader.fastSyncRead()
+        else:
+            reader.txRxPacket()
+        for servo in servos:
+            for register in feedback.registers:
+                reader.getData(servo.id, register.address, register.size)
+
+    return [write, read]
