@@ -12,6 +12,7 @@ from robotwalk.assembly.session import check_rate as check_rate
 from robotwalk.assembly.session import connect as connect
 from robotwalk.assembly.simulated import Simulation as Simulation
 from robotwalk.assembly.simulated import bare_physics as bare_physics
+from robotwalk.assembly.simulated import befall as befall
 from robotwalk.assembly.simulated import check_film as check_film
 from robotwalk.assembly.simulated import film as film
 from robotwalk.assembly.simulated import serve as serve

@@ -95,6 +95,16 @@ def serve(
     serve(world, blueprint.model, doors, truth=truth, seconds=seconds, ready=ready, check=check, warn=warn)
 
 
+def befall(simulation: Simulation, faults: Script, seed: str) -> None:
+    """Let more faults befall a simulated robot, at their times or now; chances come from the seed.
+
+    Raises:
+        ConfigError: the faults are wrong; says where.
+    """
+    hardware = simulation.blueprint.hardware
+    stage(simulation.world, read_script(faults, {joint: row.bus for joint, row in hardware.joints.items()}), seed)
+
+
 def bare_physics(world: "SimulatedRobot", seconds: float) -> float:
     """Return how many times faster than real time MuJoCo alone steps a simulated robot's model."""
     from sim_backend.world import bare_speed

@@ -60,8 +60,8 @@ def _read_fault(document: Document, index: int, wiring: Mapping[str, str]) -> Fa
     return fault
 
 
-def stage(robot: "SimulatedRobot", faults: Sequence[Fault], seed: int) -> None:
-    """Have a simulated robot, whose time has not begun, suffer faults each at its time."""
+def stage(robot: "SimulatedRobot", faults: Sequence[Fault], seed: int | str) -> None:
+    """Have a simulated robot suffer faults, each at its time."""
     for index, fault in enumerate(faults):
         begin = _beginning(robot, fault, Random(f"{seed} {index} {fault.kind()}"))
         if fault.at == 0.0:
