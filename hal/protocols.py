@@ -15,3 +15,8 @@ _PROTOCOLS: dict[str, ServoProtocol] = {
 def protocol_of(model: ServoModel) -> ServoProtocol:
     """Return the protocol that a servo model speaks."""
     return _PROTOCOLS[model.protocol]
+
+
+def protocol_named(name: str) -> ServoProtocol:
+    """Return the protocol of a name, as servo models have it."""
+    return _PROTOCOLS[name]

@@ -9,6 +9,7 @@ app.command("robotwalk.cli.servo.registers:info", help="Show everything that a s
 app.command("robotwalk.cli.servo.registers:read", help="Read registers by name, in their units.")
 app.command("robotwalk.cli.servo.registers:write", help="Write registers by name, in their units, and read them back.")
 app.command("robotwalk.cli.servo.watch:monitor", help="Show position, speed, load, voltage and heat, live.")
+app.command("robotwalk.cli.servo.decode:decode", help="Print a log's or a line's traffic in words.")
 app.command("robotwalk.cli.servo.address:set_id", help="Give a servo another id.")
 app.command("robotwalk.cli.servo.address:set_baud", help="Give a servo another baud rate, and follow it.")
 app.command("robotwalk.cli.servo.turn:wiggle", help="Turn a servo, or a robot's joint, a few degrees there and back.")
