@@ -100,15 +100,21 @@ class SerialPort:
             BusError: the line is gone.
         """
         # Not by pyserial, which asks twice whether there is anything.
+        data = self._read()
+        if data or not select.select([self._fileno], [], [], 0)[0]:
+            return data
+        data = self._read()  # what has come in between
+        if not data:
+            raise BusError(f"{self._url} is gone: it ends")
+        return data
+
+    def _read(self) -> bytes:
         try:
-            data = os.read(self._fileno, _CHUNK)
+            return os.read(self._fileno, _CHUNK)
         except BlockingIOError:
             return b""
         except OSError as error:
             raise BusError(f"{self._url} is gone: {error.strerror}") from error
-        if not data and select.select([self._fileno], [], [], 0)[0]:
-            raise BusError(f"{self._url} is gone: it ends")
-        return data
 
     def close(self) -> None:
         """Give the line back."""
