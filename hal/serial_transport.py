@@ -31,8 +31,19 @@ def names_hardware(url: str) -> bool:
 def open_port(url: str, baud: int) -> TunablePort:
     """Open a line for us alone, with as little latency as its adapter allows, its stale bytes thrown away.
 
+    An echo of what is sent is dropped.
+
     Raises:
         BusError: it cannot be opened; says why, and what may help.
+    """
+    return EchoFilter(open_plainly(url, baud))
+
+
+def open_plainly(url: str, baud: int) -> "SerialPort":
+    """Open a line as `open_port` does, echo and all: to listen to others, who alone know what is an echo.
+
+    Raises:
+        BusError: it cannot be opened.
     """
     try:
         line = serial.serial_for_url(url, baudrate=baud, timeout=0, exclusive=True)
@@ -43,7 +54,7 @@ def open_port(url: str, baud: int) -> TunablePort:
         with contextlib.suppress(ValueError, OSError):
             line.set_low_latency_mode(True)
     line.reset_input_buffer()
-    return EchoFilter(SerialPort(url, line))
+    return SerialPort(url, line)
 
 
 class SerialPort:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from hal.maintenance.transcript import Said, Transcriber
 from hal.register_map import ServoModel
-from hal.serial_transport import open_port
+from hal.serial_transport import open_plainly
 from robotwalk.assembly.blueprint import Files, build, load, load_servo
 from robotwalk.clock import WallClock
 from robotwalk.errors import UsageError
@@ -67,7 +67,7 @@ def of_line(
     else:
         raise UsageError("say what is spoken there: --protocol, --servo MODEL or --robot ROBOT")
     clock = WallClock()
-    port = open_port(url, baud)
+    port = open_plainly(url, baud)
     try:
         opened, first = clock.now(), math.inf
         ends = math.inf if seconds is None else opened + seconds * _NS

@@ -50,6 +50,7 @@ def test_it_listens_to_a_line_and_sends_nothing() -> None:
     assert listener.stdout is not None
     told = b""
     while not told:  # what is there when it opens the line, it throws away
+        assert listener.poll() is None
         os.write(master, feetech_protocol.read(1, 56, 2))
         if select.select([listener.stdout], [], [], 0.1)[0]:
             told = os.read(listener.stdout.fileno(), 4096)
