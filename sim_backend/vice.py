@@ -55,6 +55,10 @@ class Bench:
                 make_device(bus, [fake for fake, servo in zip(made, servos, strict=True) if servo.bus == bus]), baud)
             for bus, baud in bauds.items()}
 
+    def turn(self, servo: int, angle: float) -> None:
+        """Turn a servo's shaft, and hold it there (rad)."""
+        self._angles[servo] = angle
+
     def _hold(self) -> None:
         self._physics.step(self._angles, np.zeros(len(self._angles)), self.clock.now())
         self.clock.schedule(self.clock.now() + _HEARTBEAT, self._hold)

@@ -76,14 +76,14 @@ class Seat(NamedTuple):
         return servo
 
 
-def seat(robot: str, joint: str, port: str | None) -> Seat:
+def seat(robot: str, joint: str, port: str | None, *, calibrated: bool = True) -> Seat:
     """Return a joint of a robot, on the line that its file names or on another.
 
     Raises:
         UsageError: no such robot or joint.
         ConfigError: a file is wrong.
     """
-    blueprint = load(robot, calibrated=True)
+    blueprint = load(robot, calibrated=calibrated)
     for bus, wires in blueprint.wiring.items():
         for wired in wires:
             if wired.joint == joint:

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from robotwalk import assembly
 from robotwalk.cli.outing import Outing, Plan, require_possible
 from robotwalk.cli.output import abandon_stdout, complain, progress_line, say, write_json
+from robotwalk.cli.ports import by_bus
 from robotwalk.errors import SafetyStop, UsageError
 
 Flag = Parameter(negative="")
@@ -82,7 +83,7 @@ def walk(
     if turn is not None and heading is not None:
         raise UsageError("--turn and --heading exclude each other: one is a rate, the other an angle to hold")
     _require_finite(speed=speed, direction=direction, heading=heading, turn=turn, height=height, duration=duration)
-    ports = _ports(port or [])
+    ports = by_bus(port or [])
     on_bus = bool(ports) or real
     if hang and not on_bus:
         raise UsageError("--hang is for a robot on a bus: name it with --port, or say --real")
@@ -115,16 +116,6 @@ def _require_finite(**options: float | None) -> None:
     for name, value in options.items():
         if value is not None and not math.isfinite(value):
             raise UsageError(f"--{name} should be a finite number, not {value}")
-
-
-def _ports(words: list[str]) -> dict[str, str]:
-    ports = {}
-    for word in words:
-        bus, separator, url = word.partition("=")
-        if not (bus and separator and url):
-            raise UsageError(f"--port should be BUS=URL, such as legs=/dev/ttyUSB0, not {word!r}")
-        ports[bus] = url
-    return ports
 
 
 def _go(outing: Outing) -> int:

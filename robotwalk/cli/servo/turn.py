@@ -12,7 +12,7 @@ from robotwalk.errors import UsageError
 from robotwalk.interrupts import Interrupts
 from robotwalk.model import Axis, Joint
 
-_POSITIVE = {  # right-handed, in the leg's frame
+POSITIVE = {  # right-handed, in the leg's frame
     Axis.ROLL: "a leg that hangs down swings to its left",
     Axis.PITCH: "a leg that points outwards tips down, one that hangs down swings back",
     Axis.YAW: "a leg that points outwards turns counter-clockwise, seen from above",
@@ -109,10 +109,11 @@ def _tell(servo: workbench.Servo, seat: workbench.Seat | None, fields: dict[str,
     if seat is None:
         say("plus is the way in which its counts grow")
         return
-    joint = _joint(seat)
-    say(f"plus, by the robot's file: {_POSITIVE[joint.axis]} ({joint.axis.name.lower()}). "
+    joint = joint_of(seat)
+    say(f"plus, by the robot's file: {POSITIVE[joint.axis]} ({joint.axis.name.lower()}). "
         "If it went the other way, change the joint's direction")
 
 
-def _joint(seat: workbench.Seat) -> Joint:
+def joint_of(seat: workbench.Seat) -> Joint:
+    """Return the joint of a seat."""
     return next(joint for joint in seat.blueprint.model.joints if joint.name == seat.wired.joint)
