@@ -19,6 +19,14 @@ class BusConfig(Row):
     baud: Annotated[int, Field(gt=0)]
 
 
+class Power(Row):
+    """What feeds all servos."""
+
+    supply_v: Annotated[float, Field(gt=0, le=60)] | None = None  # without load; None: each servo's rated voltage
+    internal_resistance_ohm: Annotated[float, Field(ge=0, le=10)] = 0.05  # of battery, leads and plugs; assumed
+    max_current_a: Annotated[float, Field(gt=0)] | None = None  # None: not stated
+
+
 class JointWiring(Row):
     """The servo of one joint."""
 
@@ -34,6 +42,7 @@ class HardwareConfig(Row):
 
     buses: Annotated[dict[str, BusConfig], Field(min_length=1)]
     joints: dict[str, JointWiring]
+    power: Power = Power()
 
 
 class Problem(NamedTuple):

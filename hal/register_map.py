@@ -193,6 +193,9 @@ class Motor(Row):
     armature_kgm2: Annotated[float, Field(ge=0)]
     coulomb_nm: Annotated[float, Field(ge=0)]
     viscous_nms: Annotated[float, Field(ge=0)]
+    # Published for no servo: assumed for a motor in a plastic case of half a hectogram.
+    thermal_resistance_k_per_w: Annotated[float, Field(gt=0)] = 10.0  # from the winding to the air
+    thermal_time_constant_s: Annotated[float, Field(gt=0)] = 300.0
 
     @property
     def back_emf_damping(self) -> float:

@@ -8,13 +8,14 @@ import dynamixel_sdk
 import scservo_sdk
 
 from hal.encoding import pack
+from hal.register_map import Block
 from hal.wired import Wired
 from robotwalk.errors import BusError
 
 _SDKS = {"dynamixel-2.0": (dynamixel_sdk, 2.0), "dynamixel-1.0": (dynamixel_sdk, 1.0), "feetech-sts": (scservo_sdk, 0)}
 _LITTLE_ENDIAN = 0
 
-Exchange = Callable[[], None]
+Exchange = Callable[[], bool]  # whether all answered
 
 
 def vendor_of(servos: Sequence[Wired]) -> str | None:
@@ -41,10 +42,13 @@ class VendorLines:
                 raise BusError(f"{sdk.__name__} does not open {url} at {bauds[bus]} baud")
             self._steps += _steps(sdk, port, sdk.PacketHandler(version or _LITTLE_ENDIAN), wiring[bus])
 
-    def exchange(self) -> None:
-        """Write all goals and read all feedback, one bus after the other, as these SDKs must."""
-        for step in self._steps:
-            step()
+    def exchange(self) -> bool:
+        """Write all goals and read all feedback, one bus after the other, as these SDKs must; tell if all answered."""
+        good = sum(step() for step in self._steps) == len(self._steps)
+        if not good:
+            for port in self._ports:
+                port.is_using = False  # scservo_sdk never gives a port back on which an answer was garbled
+        return good
 
     def close(self) -> None:
         """Give the ports back."""
@@ -58,26 +62,28 @@ def _steps(sdk: Any, port: Any, handler: Any, servos: Sequence[Wired]) -> list[E
     writer = sdk.GroupSyncWrite(port, handler, goal.address, goal.size)
     goals = {servo.id: list(pack(goal, servo.model.encoder.centre)) for servo in servos}
 
-    def write() -> None:
+    def write() -> bool:
         writer.clearParam()
         for servo_id, data in goals.items():
             writer.addParam(servo_id, data)
-        writer.txPacket()
+        return bool(writer.txPacket() == sdk.COMM_SUCCESS)
 
     if not model.sync_read:
-        reads = [partial(handler.readTxRx, port, servo.id, feedback.address, feedback.size) for servo in servos]
-        return [write, *reads]
+        return [write, *(partial(_read_one, sdk, port, handler, servo.id, feedback) for servo in servos)]
     reader = sdk.GroupSyncRead(port, handler, feedback.address, feedback.size)
     for servo in servos:
         reader.addParam(servo.id)
 
-    def read() -> None:
-        if model.fast_sync_read_firmware is not None:
-            reader.fastSyncRead()
-        else:
-            reader.txRxPacket()
+    def read() -> bool:
+        fast = model.fast_sync_read_firmware is not None
+        result = reader.fastSyncRead() if fast else reader.txRxPacket()
         for servo in servos:
             for register in feedback.registers:
                 reader.getData(servo.id, register.address, register.size)
+        return bool(result == sdk.COMM_SUCCESS)
 
     return [write, read]
+
+
+def _read_one(sdk: Any, port: Any, handler: Any, servo_id: int, block: Block) -> bool:
+    return bool(handler.readTxRx(port, servo_id, block.address, block.size)[1] == sdk.COMM_SUCCESS)

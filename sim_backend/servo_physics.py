@@ -8,8 +8,12 @@ In encoder ticks and seconds, duty as a share of the supply voltage, with the `G
     motor           torque = kt (V - kt w) / R with V = supply x duty; none with the bridge open (torque off)
 
 Ticks, angles and speeds are the output shaft's, positive counter-clockwise, 0 at the encoder's centre. What
-registers make of them is the firmware's. Friction and armature act in MuJoCo. Not modelled: heat, backlash, the
-firmware's own sampling period, which is the physics step.
+registers make of them is the firmware's. Friction and armature act in MuJoCo.
+
+    supply          V = V0 - Ri x sum of duty x current over all servos, as of the step before: a battery sags
+    winding         dT/dt = (T_air + Rth R I^2 - T) / tau
+
+Not modelled: backlash, the firmware's own sampling period, which is the physics step.
 """
 
 import math
@@ -27,6 +31,8 @@ Floats = npt.NDArray[np.float64]
 _IN_POSITION_TICKS = 10  # unpublished
 _SUPERVISION_NS = 5_000_000  # how often the firmware looks after its protections; assumed
 _SECONDS = 1e-9  # per ns
+_UNLOADED = 0.2  # of the stall current, below which no load strains the motor, however much duty it has; assumed
+_LEAST_SUPPLY = 0.3  # of its voltage, below which the supply does not sag
 
 
 class Gains(NamedTuple):
@@ -82,24 +88,34 @@ class Present(NamedTuple):
     temperature: int
 
 
-Supervisor = Callable[[int, float, float, float, float], None]  # now (ns), duty, A, V of the supply, degC
+Supervisor = Callable[[int, float, float, float, float], None]  # now (ns), duty under load, A, V at it, degC
 _SCALED = 9  # the last fields of Present are scaled values
 
 
 class ServoPhysics:
     """The servos of one robot, in the order of `models`. Every public array is in that order."""
 
-    def __init__(self, models: Sequence[ServoModel]) -> None:
+    def __init__(
+        self, models: Sequence[ServoModel], *, supply_v: float | None = None, internal_resistance: float = 0.0
+    ) -> None:
+        """Feed all from one supply, of their rated voltages if it has none of its own (V, ohm)."""
         self.models = tuple(models)
         count = len(self.models)
         self.armature = self._of(lambda model: model.motor.armature_kgm2)  # for MuJoCo's joints
         self.coulomb = self._of(lambda model: model.motor.coulomb_nm)
         self.viscous = self._of(lambda model: model.motor.viscous_nms)
-        self.supply_v = self._of(lambda model: model.specification.rated.voltage_v)  # may be set
+        self.supply_v = self._of(  # without load; may be set
+            lambda model: model.specification.rated.voltage_v if supply_v is None else supply_v)
+        self.terminal_v = self.supply_v.copy()  # with it
+        self._internal_resistance = internal_resistance
         self.temperature_c = self._of(lambda model: model.firmware.temperature_c)  # may be set
         self.duty, self.current, self.torque, self.energy = np.zeros((4, count))  # 1, A, N m, J
         self._torque_constant = self._of(lambda model: model.motor.torque_constant_nm_per_a)
         self._resistance = self._of(lambda model: model.motor.resistance_ohm)
+        self._air_c = self.temperature_c.copy()
+        self._thermal_resistance = self._of(lambda model: model.motor.thermal_resistance_k_per_w)
+        self._thermal_rate = self._of(lambda model: 1.0 / model.motor.thermal_time_constant_s)
+        self._heated_at = 0
         self._ticks_per_radian = self._of(lambda model: 1.0 / model.encoder.radians_per_tick)
         self._ticks, self._velocity, self._voltage, self._power = np.zeros((4, count))
         self._conductance, self._limit, self._open_loop, self._sum = np.zeros((4, count))
@@ -117,7 +133,7 @@ class ServoPhysics:
         self._supervise_at = 0
 
     def _of(self, value: Callable[[ServoModel], float]) -> Floats:
-        return np.array([value(model) for model in self.models])
+        return np.array([float(value(model)) for model in self.models])
 
     def attach(self, index: int, supervisor: Supervisor) -> None:
         """Have a servo's `supervisor` called regularly, as long as the physics runs."""
@@ -138,6 +154,7 @@ class ServoPhysics:
         np.rint(self._ticks, out=self._ticks)
         self._power *= elapsed
         self.energy += self._power
+        self._sag()
         if now >= self._supervise_at:
             self._supervise()
         duty = self.duty
@@ -151,14 +168,32 @@ class ServoPhysics:
         self._run_motors()
         return self.torque
 
+    def _sag(self) -> None:
+        """Take from the supply what its internal resistance takes."""
+        if self._internal_resistance:
+            sag = self._internal_resistance * max(float(np.dot(self.duty, self.current)), 0.0)
+            np.subtract(self.supply_v, sag, out=self.terminal_v)
+            np.maximum(self.terminal_v, _LEAST_SUPPLY * self.supply_v, out=self.terminal_v)
+        else:
+            np.copyto(self.terminal_v, self.supply_v)
+
     def _supervise(self) -> None:
         self._supervise_at = self._now + _SUPERVISION_NS
-        duty, current = self.duty.tolist(), self.current.tolist()
+        self._heat()
+        loaded = np.abs(self.current) * self._resistance > _UNLOADED * self.terminal_v
+        duty, current = np.where(loaded, self.duty, 0.0).tolist(), self.current.tolist()
         for index in self.strained:
-            duty[index] = math.copysign(1.0, duty[index])
-        supply, temperature = self.supply_v.tolist(), self.temperature_c.tolist()
+            duty[index] = math.copysign(1.0, self.duty[index])
+        supply, temperature = self.terminal_v.tolist(), self.temperature_c.tolist()
         for index, supervisor in self._supervisors.items():
             supervisor(self._now, duty[index], current[index], supply[index], temperature[index])
+
+    def _heat(self) -> None:
+        """Warm the windings by what their resistance has taken since the last time."""
+        elapsed, self._heated_at = (self._now - self._heated_at) * _SECONDS, self._now
+        warmer = self._thermal_resistance * self._resistance * self.current**2
+        self.temperature_c += (self._air_c + warmer - self.temperature_c) * np.minimum(
+            self._thermal_rate * elapsed, 1.0)
 
     def _run_loops(self, elapsed: float) -> None:
         """Set the duties by the full law; `step` has a short cut for proportional control alone."""
@@ -175,7 +210,7 @@ class ServoPhysics:
             + feed_acceleration * goals.acceleration + punch * np.sign(error) + self._open_loop)
 
     def _run_motors(self) -> None:
-        np.multiply(self.supply_v, self.duty, out=self._voltage)
+        np.multiply(self.terminal_v, self.duty, out=self._voltage)
         np.multiply(self._torque_constant, self._velocity, out=self.current)
         np.subtract(self._voltage, self.current, out=self.current)
         self.current *= self._conductance
@@ -244,7 +279,7 @@ class ServoPhysics:
         counts = rows[-_SCALED:]
         for row, value in zip(counts, (
             self.duty, self.duty, self._velocity, self._ticks, goals.speed, goals.position, self.current,
-            self.supply_v, self.temperature_c), strict=True,
+            self.terminal_v, self.temperature_c), strict=True,
         ):
             row[:] = value
         counts *= self._scale

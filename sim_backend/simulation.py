@@ -34,9 +34,10 @@ class SimulatedRobot:
 
     def __init__(
         self, model: RobotModel, servos: Sequence[SimulatedServo], bauds: Mapping[str, int], seated: Sequence[float],
-        *, rate_hz: int, seed: int = 0, adapter: AdapterName = "none",
+        *, rate_hz: int, seed: int = 0, adapter: AdapterName = "none", supply_v: float | None = None,
+        internal_resistance: float = 0.0,
     ) -> None:
-        """Build the robot; `servos` and `seated` (rad) are in joint order.
+        """Build the robot; `servos` and `seated` (rad) are in joint order; one supply (V, ohm) feeds them all.
 
         Raises:
             ValueError: a bus has a baud that its servos do not have, or servos of two protocols.
@@ -44,7 +45,8 @@ class SimulatedRobot:
         self.clock = SimulatedClock()
         self.joints = model.joint_names
         self.buses = tuple(servo.bus for servo in servos)
-        self.physics = ServoPhysics([servo.model for servo in servos])
+        self.physics = ServoPhysics(
+            [servo.model for servo in servos], supply_v=supply_v, internal_resistance=internal_resistance)
         self.world = World(
             model, self.physics, [servo.mounting for servo in servos], seated, rate_hz=rate_hz, seed=seed)
         # Servos find their shafts where the world has put them.

@@ -76,9 +76,10 @@ def measure_bus(
             progress(vendor, 0.75)
             lines = VendorLines(urls, blueprint.bauds, blueprint.wiring)
             try:
-                reference = vendor, _paced(lines.exchange, rate_hz, seconds)
+                pace = _paced(lines.exchange, rate_hz, seconds)
             finally:
                 lines.close()
+            reference = None if pace is None else (vendor, pace)
     return BusFigures(
         blueprint.bauds, len(blueprint.model.joints), wire, ours, max(silent - ours.p50, 0.0), fastest, reference)
 
@@ -133,7 +134,9 @@ def _measure_ours(
         progress("arming", 0.0)
         goals = bus.arm(period).position
         progress("exchange", 0.1)
-        ours = _paced(lambda: bus.exchange(goals, period), rate_hz, seconds)
+        ours = _paced(lambda: all(bus.exchange(goals, period).valid), rate_hz, seconds)
+        if ours is None:
+            raise BusError("no exchange was whole: this computer is too busy to measure")
         progress("back to back", 0.3)
         fastest = _back_to_back(lambda: bus.exchange(goals, period // 2), seconds)
         progress("one servo silent", 0.5)
@@ -144,11 +147,12 @@ def _measure_ours(
         register = victim.model["id"]
         line.write(clock, victim, register.address, bytes((_AWAY,)), "another id")
 
-        def exchange() -> None:
+        def exchange() -> bool:
             lost, began = line.cycle.lost_replies, time.monotonic_ns()
             bus.exchange(goals, period)
             if line.cycle.lost_replies > lost:
                 silent.append(time.monotonic_ns() - began)
+            return True
 
         _paced(exchange, rate_hz, seconds)
         line.write(clock, victim._replace(id=_AWAY), register.address, bytes((victim.id,)), "its id")
@@ -157,8 +161,8 @@ def _measure_ours(
         bus.close()
 
 
-def _paced(exchange: Callable[[], object], rate_hz: int, seconds: float) -> Pace:
-    """Exchange at a rate; return how long each took."""
+def _paced(exchange: Callable[[], bool], rate_hz: int, seconds: float) -> Pace | None:
+    """Exchange at a rate; return how long those took in which all answered, None if there was none."""
     clock, took, cpu = WallClock(), list[int](), list[int]()
     gc.collect()
     gc.disable()
@@ -167,13 +171,16 @@ def _paced(exchange: Callable[[], object], rate_hz: int, seconds: float) -> Pace
         for _ in range(max(round(seconds * rate_hz), 1)):
             clock.wait((), grid.deadline)
             busy, began = time.thread_time_ns(), clock.now()
-            exchange()
+            good = exchange()
             now = clock.now()
-            took.append(now - began)
-            cpu.append(time.thread_time_ns() - busy)
+            if good:
+                took.append(now - began)
+                cpu.append(time.thread_time_ns() - busy)
             grid.advance(now)
     finally:
         gc.enable()
+    if not took:
+        return None
     took.sort()
     return Pace(statistics.median(took) / _NS, took[int(0.99 * len(took))] / _NS, statistics.median(cpu) / _NS)
 

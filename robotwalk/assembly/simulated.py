@@ -64,7 +64,9 @@ def simulated_robot(
         servos.append(SimulatedServo(row.bus, row.id, blueprint.servos[row.servo], mounting))
     seated = resting_angles(blueprint.model, 0.5 * blueprint.model.body_box.z)
     world = SimulatedRobot(
-        blueprint.model, servos, blueprint.bauds, seated, rate_hz=rate_hz, seed=seed, adapter=adapter)
+        blueprint.model, servos, blueprint.bauds, seated, rate_hz=rate_hz, seed=seed, adapter=adapter,
+        supply_v=blueprint.hardware.power.supply_v,
+        internal_resistance=blueprint.hardware.power.internal_resistance_ohm)
     stage(world, script, seed)
     return world
 

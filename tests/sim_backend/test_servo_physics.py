@@ -9,7 +9,7 @@ import pytest
 from hal.register_map import Register, ServoModel
 from robotwalk.config import library
 from sim_backend.dynamixel_firmware import DynamixelServo
-from sim_backend.servo_physics import ServoPhysics
+from sim_backend.servo_physics import Drive, Scales, ServoPhysics
 
 from .rig import MS, Hinge, Registers, Turning
 
@@ -380,3 +380,55 @@ def test_one_servo_with_a_profile_leaves_the_others_as_they_are() -> None:
         return float(physics.step(np.array([0.0, 0.01]), np.array([0.0, 0.3]), MS)[1])
 
     assert torque(50) == pytest.approx(torque(0), abs=1e-12)
+
+
+def stalled(count: int, **supply: float) -> ServoPhysics:
+    """Servos driven with all they have against a stop."""
+    physics = ServoPhysics([MODEL] * count, **supply)
+    for index in range(count):
+        physics.load(index, Drive(on=True, largest_duty=1.0, duty=1.0), NOTHING)
+    return physics
+
+
+NOTHING = Scales(1, 0.0, 0.0, 0.0, 0.0, 0.0, 10.0, 0.0)
+
+
+def run(physics: ServoPhysics, seconds: float, speed: float = 0.0) -> None:
+    count = len(physics.models)
+    for _ in range(round(seconds * 200)):
+        physics.step(np.zeros(count), np.full(count, speed), physics._now + 5_000_000)
+
+
+def test_a_battery_sags_under_load_and_the_servos_read_it() -> None:
+    physics = stalled(10, supply_v=12.0, internal_resistance=0.1)
+    run(physics, 0.5)
+    # Ten times V / R at a supply that itself falls: V = 12 / (1 + 10 x 0.1 / 13.46).
+    assert physics.terminal_v == pytest.approx(12.0 / (1 + 1 / 13.46), rel=1e-3)
+    assert [row[-2] for row in physics.present()] == [round(10 * physics.terminal_v[0])] * 10
+    assert physics.torque == pytest.approx(1.7462 / 13.46 * physics.terminal_v, rel=1e-3)
+
+
+def test_without_internal_resistance_nothing_sags() -> None:
+    physics = stalled(10, supply_v=12.0)
+    run(physics, 0.1)
+    assert physics.terminal_v == pytest.approx(12.0)
+
+
+def test_a_stalled_winding_warms_by_its_loss_with_its_time_constant() -> None:
+    physics = stalled(1)
+    start, loss = float(physics.temperature_c[0]), 11.1**2 / 13.46
+    run(physics, 30.0)
+    assert physics.temperature_c[0] - start == pytest.approx(10.0 * loss * (1 - np.exp(-30 / 300)), rel=0.02)
+    physics.load(0, Drive(on=False), NOTHING)
+    hot = float(physics.temperature_c[0])
+    run(physics, 30.0)
+    assert physics.temperature_c[0] - start == pytest.approx((hot - start) * np.exp(-30 / 300), rel=0.02)
+
+
+@pytest.mark.parametrize(("speed", "strained"), [(0.0, True), (5.9, False)])
+def test_full_duty_strains_a_motor_only_under_load(speed: float, strained: bool) -> None:
+    """5.97 rad/s is its speed without load, at which hardly any current flows."""
+    physics, told = stalled(1), []
+    physics.attach(0, lambda now, duty, current, volts, degrees: told.append(duty))
+    run(physics, 0.5, speed)
+    assert (max(told) > 0.8) is strained
