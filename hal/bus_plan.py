@@ -85,3 +85,44 @@ def _middle(servos: Sequence[Wired]) -> list[float]:
     for servo in servos:
         goals[servo.slot] = servo.calibration.zero
     return goals
+
+
+class Remedy(NamedTuple):
+    """Something that would make a bus carry more ticks a second."""
+
+    what: str
+    largest_rate_hz: int
+
+
+def remedies(
+    protocol: ServoProtocol, servos: Sequence[Wired], baud: int, share: float
+) -> list[Remedy]:
+    """Return what would raise the largest rate, the most first: a faster baud, another bus, firmware.
+
+    The plan as it is has return delay 0 and, where every firmware of a model may have it, the fast read.
+    """
+    now = cycle(protocol, servos, fast=True).largest_rate(baud, share)
+    common = set.intersection(*({*servo.model.baud_rates} for servo in servos))
+    found = [
+        Remedy(f"{faster} baud", cycle(protocol, servos, fast=True).largest_rate(faster, share))
+        for faster in sorted(rate for rate in common if rate > baud)]
+    if len(servos) > 1:
+        half = cycle(protocol, servos[: (len(servos) + 1) // 2], fast=True)
+        found.append(Remedy("two buses of half as many servos", half.largest_rate(baud, share)))
+    return sorted((each for each in found if each.largest_rate_hz > now), key=lambda each: -each.largest_rate_hz)
+
+
+def costs(protocol: ServoProtocol, servos: Sequence[Wired], baud: int, share: float) -> list[Remedy]:
+    """Return what would lower the largest rate: servos as they leave the factory, old firmware, a slow adapter."""
+    fast, plain = cycle(protocol, servos, fast=True), cycle(protocol, servos, fast=False)
+    delays = [servo.model["return_delay_time"] for servo in servos]
+    delay = max((register.default or 0) * register.si_scale for register in delays)
+    found = [Remedy(f"the factory's return delay of {1e6 * delay:.0f} us", fast.largest_rate(
+        baud, share, return_delay=delay))] if delay else []
+    if plain != fast:
+        found.append(Remedy("firmware without fast sync read", plain.largest_rate(baud, share)))
+    for latency in (1e-3, 16e-3):
+        found.append(Remedy(
+            f"an adapter that holds replies back for {1e3 * latency:.0f} ms", fast.largest_rate(
+                baud, share, latency=latency)))
+    return found

@@ -1,5 +1,6 @@
 """The same exchange through the vendors' SDKs, as their examples do it: what ours is measured beside."""
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -12,6 +13,7 @@ from hal.register_map import Block
 from hal.wired import Wired
 from robotwalk.errors import BusError
 
+_LATE = 0.05  # s after which nothing is under way any more
 _SDKS = {"dynamixel-2.0": (dynamixel_sdk, 2.0), "dynamixel-1.0": (dynamixel_sdk, 1.0), "feetech-sts": (scservo_sdk, 0)}
 _LITTLE_ENDIAN = 0
 
@@ -46,8 +48,12 @@ class VendorLines:
         """Write all goals and read all feedback, one bus after the other, as these SDKs must; tell if all answered."""
         good = sum(step() for step in self._steps) == len(self._steps)
         if not good:
+            # Neither SDK throws away answers that come too late: they would pass for the next ones'. And scservo_sdk
+            # never gives a port back on which an answer was garbled.
+            time.sleep(_LATE)
             for port in self._ports:
-                port.is_using = False  # scservo_sdk never gives a port back on which an answer was garbled
+                port.ser.reset_input_buffer()
+                port.is_using = False
         return good
 
     def close(self) -> None:

@@ -35,7 +35,8 @@ def check(
     reaches = [checks.gait_reach(blueprint.model, gait) for gait in blueprint.gaits.values()]
     balances = [checks.balance(blueprint.model, gait) for gait in blueprint.gaits.values()]
     buses = assembly.bus_loads(blueprint, rate)
-    problems = _problems(reaches, balances, buses)
+    supply = assembly.supply_load(blueprint)
+    problems = _problems(reaches, balances, buses, supply)
     if json:
         write_json({
             "robot": blueprint.model.name,
@@ -47,12 +48,18 @@ def check(
             "rate_hz": rate,
             "buses": {
                 bus.name: {"baud": bus.baud, "servos": bus.servos, "wire_ms": round(1e3 * bus.wire_s, 3),
-                           "share_of_tick": round(bus.share, 3), "largest_rate_hz": bus.largest_rate_hz}
+                           "share_of_tick": round(bus.share, 3), "largest_rate_hz": bus.largest_rate_hz,
+                           "raised_by": [remedy._asdict() for remedy in bus.raised_by],
+                           "lowered_by": [remedy._asdict() for remedy in bus.lowered_by]}
                 for bus in buses
             },
+            "supply": {
+                "stall_a": round(supply.stall_a, 2), "stated_a": supply.stated_a, "supply_v": supply.supply_v,
+                "sag_at_stall_v": round(supply.sag_v, 2), "servos_without_sheet": supply.unknown},
         })
     else:
         _show(blueprint, reaches, balances, buses, rate)
+        _show_supply(supply)
         for problem in problems:
             say(f"problem: {problem}")
         say("all checks passed" if not problems else f"{len(problems)} problem(s)")
@@ -60,7 +67,8 @@ def check(
 
 
 def _problems(
-    reaches: list[checks.GaitReach], balances: list[checks.Balance], buses: list[assembly.BusLoad]
+    reaches: list[checks.GaitReach], balances: list[checks.Balance], buses: list[assembly.BusLoad],
+    supply: assembly.SupplyLoad,
 ) -> list[str]:
     problems = []
     for reach in reaches:
@@ -80,6 +88,9 @@ def _problems(
             problems.append(
                 f"bus {bus.name} needs {1e3 * bus.wire_s:.2f} ms a tick, {100 * bus.share:.0f} % of it; "
                 f"the largest rate is {bus.largest_rate_hz} Hz")
+    if supply.stated_a is not None and supply.stall_a > supply.stated_a:
+        problems.append(
+            f"all servos stalled would draw {supply.stall_a:.1f} A; the supply is stated to give {supply.stated_a:g} A")
     problems.extend(
         f"gait {balance.gait}: the centre of mass is outside the support polygon by {-1e3 * balance.margin:.0f} mm"
         for balance in balances if balance.margin is not None and balance.margin < 0.0)
@@ -147,3 +158,16 @@ def _show(
              f"{bus.largest_rate_hz} Hz"]
             for bus in buses
         ])
+    for bus in buses:
+        raised = "; ".join(f"{remedy.what}: {remedy.largest_rate_hz} Hz" for remedy in bus.raised_by[:3])
+        lowered = "; ".join(f"{remedy.what}: {remedy.largest_rate_hz} Hz" for remedy in bus.lowered_by)
+        say(f"bus {bus.name}, largest rate with " + (f"{raised}" if raised else "nothing that we know would be higher"))
+        say(f"  but with {lowered}")
+
+
+def _show_supply(supply: assembly.SupplyLoad) -> None:
+    stated = "not stated (hardware: power: max_current_a)" if supply.stated_a is None else f"{supply.stated_a:g} A"
+    guessed = f", of {supply.unknown} by torque constant and resistance" if supply.unknown else ""
+    say(
+        f"supply: all servos stalled draw {supply.stall_a:.1f} A{guessed}; it gives {stated}. "
+        f"{supply.supply_v:g} V would sag by {min(supply.sag_v, supply.supply_v):.1f} V")

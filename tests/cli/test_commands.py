@@ -125,6 +125,16 @@ def test_check_passes_the_bundled_robot(robotwalk: Run) -> None:
     assert report["ok"] is True
     assert report["mass_kg"] == pytest.approx(2.35)
     assert report["buses"]["legs"]["wire_ms"] == pytest.approx(3.96)
+    raised = {row["what"]: row["largest_rate_hz"] for row in report["buses"]["legs"]["raised_by"]}
+    lowered = {row["what"]: row["largest_rate_hz"] for row in report["buses"]["legs"]["lowered_by"]}
+    best = report["buses"]["legs"]["largest_rate_hz"]
+    assert raised["4000000 baud"] == 4 * best
+    assert raised["two buses of half as many servos"] > 1.5 * best
+    assert lowered["an adapter that holds replies back for 16 ms"] < 50
+    assert all(rate < best for rate in lowered.values())
+    # 18 x 1.3 A, by the data sheet.
+    assert report["supply"] == {
+        "stall_a": 23.4, "stated_a": None, "supply_v": 11.1, "sag_at_stall_v": 1.17, "servos_without_sheet": 0}
     gaits = {gait["gait"]: gait for gait in report["gaits"]}
     assert set(gaits) == {"tripod", "ripple", "wave"}
     assert all(gait["reach_error_mm"] == 0.0 for gait in gaits.values())
@@ -178,3 +188,19 @@ def test_bench_bus_at_a_baud_that_the_servos_do_not_have(robotwalk: Run) -> None
     result = robotwalk("bench", "bus", "quadruped", "--baud", "4000000")
     assert result.code == 2
     assert "sts3215 does not have 4000000 baud; it has 1000000, 500000" in result.err
+
+
+def test_a_supply_that_cannot_feed_all_servos_at_stall_is_a_problem(robotwalk: Run, tmp_path: Path) -> None:
+    text = library.open_document("robots", "hexapod").text
+    (tmp_path / "mine.yaml").write_text(text.replace("hardware:\n", "hardware:\n  power: {max_current_a: 10}\n"))
+    result = robotwalk("check", "mine.yaml")
+    assert result.code == 1
+    assert "problem: all servos stalled would draw 23.4 A; the supply is stated to give 10 A" in result.out
+
+
+@pytest.mark.parametrize("robot", ["hexapod", "octopod", "hexapod_xl330"])
+def test_the_plan_is_within_a_twentieth_of_what_the_simulated_wire_takes(robotwalk: Run, robot: str) -> None:
+    planned = max(bus["wire_ms"] for bus in robotwalk("check", robot, "--json").json["buses"].values())
+    report = robotwalk("walk", robot, "--duration", "0.5", "--speed", "0.04", "--json").json
+    measured = report["timing"]["bus_us"]["p50"]
+    assert measured == pytest.approx(1e3 * planned, rel=0.05)
