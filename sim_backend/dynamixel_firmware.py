@@ -20,7 +20,7 @@ _TORQUE_ON_AT_START = 0x01  # bit of startup_configuration
 _NO_SECONDARY_ID = 0xFF
 _WATCHDOG_TRIPPED = 0xFF
 _ONGOING, _SHAPE = 1, 4  # shifts in moving_status, whose lowest bit means arrived; none for following errors
-_GOALS = ("goal_position", "goal_velocity", "goal_pwm")
+_GOALS = ("goal_position", "goal_velocity", "goal_pwm", "goal_current")
 _SET_BY_MODE = (  # back to default when the operating mode changes
     "velocity_i_gain", "velocity_p_gain", "position_d_gain", "position_i_gain", "position_p_gain",
     "feedforward_2nd_gain", "feedforward_1st_gain", "profile_acceleration", "profile_velocity")
@@ -53,6 +53,7 @@ class DynamixelServo(FakeServo):
         self._motion = DynamixelMotion(model, self._firmware, self.table)
         self._watchdog_unit_ns = round(model["bus_watchdog"].scale * 1e6)  # from ms
         self._clock = model["realtime_tick"]
+        self._measures_current = model.cyclic.effort == "present_current"
         self._registered: tuple[int, bytes] | None = None
         self._window = Window(model, (
             "moving", "moving_status", "present_pwm", model.cyclic.effort, "present_velocity", "present_position",
@@ -145,9 +146,10 @@ class DynamixelServo(FakeServo):
     def _show(self, present: list[int]) -> None:
         moving, arrived, in_profile, shape, *values = present
         status = arrived | in_profile << _ONGOING | shape << _SHAPE
-        duty, load, speed, position, goal_speed, goal_position, _, supply, temperature = values
+        duty, load, speed, position, goal_speed, goal_position, current, supply, temperature = values
+        effort = current if self._measures_current else load
         self._window.store(self.table, (
-            moving, status, duty, load, speed, position, goal_speed, goal_position, supply, temperature))
+            moving, status, duty, effort, speed, position, goal_speed, goal_position, supply, temperature))
 
     def _check(self, address: int, data: bytes) -> list[Assignment]:
         assignments = self.table.check(address, data)
@@ -172,7 +174,7 @@ class DynamixelServo(FakeServo):
     def _take_goal(self, name: str) -> None:
         if self._torque_by_goal and not self._torque:
             self._torque_on(keep_goal=True)
-        elif name == "goal_pwm":
+        elif name in {"goal_pwm", "goal_current"}:
             self._load()
         elif self._torque and (name == "goal_velocity") == (self._mode == OperatingMode.VELOCITY):
             self._aim()
@@ -242,10 +244,12 @@ class DynamixelServo(FakeServo):
             self._fold()
 
     def _set_goals_by_mode(self) -> None:
-        """Goal PWM is the whole goal in PWM mode, else a bound."""
-        pwm_mode = self.table["operating_mode"] == OperatingMode.PWM
-        self.table["goal_pwm"] = 0 if pwm_mode else self.table["pwm_limit"]
+        """Goal PWM is the whole goal in PWM mode, else a bound; so is goal current in current mode."""
+        mode = self.table["operating_mode"]
+        self.table["goal_pwm"] = 0 if mode == OperatingMode.PWM else self.table["pwm_limit"]
         self.table["goal_velocity"] = 0
+        if self._measures_current:
+            self.table["goal_current"] = 0 if mode == OperatingMode.CURRENT else self.table["current_limit"]
 
     def _hold_here(self) -> None:
         self._sense()
@@ -259,6 +263,8 @@ class DynamixelServo(FakeServo):
         self.table["goal_velocity"] = 0
         if self._mode == OperatingMode.PWM:
             self.table["goal_pwm"] = 0
+        if self._mode == OperatingMode.CURRENT:
+            self.table["goal_current"] = 0
         self._hold_here()
         self._restart()
 

@@ -5,6 +5,10 @@ With e = goal - position in encoder ticks and f = `time_base_hz`:
     position loop   PWM = P e / 128 + I sum(e) / 65536 + D (v_goal - v) / 16 f + FF1 v_goal / 4 f
                           + FF2 a_goal / 4 f^2
     velocity loop   PWM = P e / 128 + I sum(e) / 65536, e being the velocity's error in register counts
+    current mode    PWM such that the goal current flows
+
+In current-based position mode the position loop's PWM gives way where the goal current would be passed; in no other
+mode does a current limit act (e-Manual, Current Limit). That the current is reached within a step is assumed.
 
 Divisors: e-Manual, X series, the gains' registers.
 """
@@ -42,6 +46,8 @@ class DynamixelMotion:
         turn = model.encoder.ticks
         self._speed_unit = model["profile_velocity"].scale * turn / 60.0  # ticks/s per count, from rpm
         self._acceleration_unit = model["profile_acceleration"].scale * turn / 3600.0  # from rev/min^2
+        self._measures_current = "present_current" in model.by_name
+        self._current_unit = model["present_current"].si_scale if self._measures_current else math.inf  # A per count
         self._supply_scale = 1.0 / model["present_input_voltage"].scale
         self.configure(turned=0)
 
@@ -65,6 +71,12 @@ class DynamixelMotion:
         cap = min(abs(table["goal_pwm"]), table["pwm_limit"]) / self._full
         if mode == OperatingMode.VELOCITY:
             return Drive(on, cap, self._velocity_gains(), velocity_loop=True)
+        if mode == OperatingMode.CURRENT:
+            current = self.sign * table["goal_current"] * self._current_unit
+            return Drive(on, cap, currents=(current, current))
+        if mode == OperatingMode.CURRENT_BASED_POSITION:
+            current = abs(table["goal_current"]) * self._current_unit
+            return Drive(on, cap, self._position_gains(), currents=(-current, current))
         return Drive(on, cap, self._position_gains())
 
     def _velocity_gains(self) -> Gains:
@@ -89,7 +101,7 @@ class DynamixelMotion:
         """Return what is reported."""
         return Scales(
             self.sign, self.zero, duty=self._full, load=self._model.cyclic.effort_full_scale,
-            speed=1.0 / self._speed_unit, current=0.0, supply=self._supply_scale,
+            speed=1.0 / self._speed_unit, current=1.0 / self._current_unit, supply=self._supply_scale,
             moving_above=self._table["moving_threshold"])
 
     def goal_position(self) -> float:

@@ -32,9 +32,11 @@ class ErrorNumber(IntEnum):
 class OperatingMode(IntEnum):
     """What the servo controls."""
 
+    CURRENT = 0
     VELOCITY = 1
     POSITION = 3
     EXTENDED_POSITION = 4
+    CURRENT_BASED_POSITION = 5
     PWM = 16
 
 
@@ -62,6 +64,7 @@ class DynamixelTable(ControlTable):
         self._blocks = tuple(_blocks(model.registers))
         self._pointers = _pointers(model)  # address of an indirect data byte: address of its pointer
         self._first_pointed = min(self._pointers, default=_NOWHERE)
+        self._measures_current = any(r.name == "current_limit" for r in model.registers)
         self._goal_limits: dict[str, tuple[int, int]] | None = None  # by the EEPROM's registers of now
         super().__init__(model)
 
@@ -153,6 +156,8 @@ class DynamixelTable(ControlTable):
         """Return what the user has set as limits of the goals."""
         speed, pwm = self["velocity_limit"], self["pwm_limit"]
         limits = {"goal_velocity": (-speed, speed), "goal_pwm": (-pwm, pwm)}
+        if self._measures_current:
+            limits["goal_current"] = -self["current_limit"], self["current_limit"]
         if self["operating_mode"] == OperatingMode.POSITION:
             limits["goal_position"] = self["min_position_limit"], self["max_position_limit"]
         return limits

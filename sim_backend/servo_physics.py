@@ -5,6 +5,7 @@ In encoder ticks and seconds, duty as a share of the supply voltage, with the `G
     position loop   duty = P (goal - position) + sum of I (goal - position) dt + D (v_goal - v)
                            + FF1 v_goal + FF2 a_goal + punch, towards the goal; none within the margin
     velocity loop   the same, where the velocity's error takes the place of the position's
+    current limit   duty between (kt w + R I) / supply for the lowest and the highest current I allowed
     motor           torque = kt (V - kt w) / R with V = supply x duty; none with the bridge open (torque off)
 
 Ticks, angles and speeds are the output shaft's, positive counter-clockwise, 0 at the encoder's centre. What
@@ -33,6 +34,7 @@ _SUPERVISION_NS = 5_000_000  # how often the firmware looks after its protection
 _SECONDS = 1e-9  # per ns
 _UNLOADED = 0.2  # of the stall current, below which no load strains the motor, however much duty it has; assumed
 _LEAST_SUPPLY = 0.3  # of its voltage, below which the supply does not sag
+_DEAD_SUPPLY = 1e-3  # V, below which there is no current to be limited
 
 
 class Gains(NamedTuple):
@@ -55,6 +57,7 @@ class Drive(NamedTuple):
     gains: Gains = Gains()
     velocity_loop: bool = False  # else a position loop
     duty: float = 0.0  # added to the loop's
+    currents: tuple[float, float] = (-math.inf, math.inf)  # A, between which the firmware keeps the motor's
 
 
 class Scales(NamedTuple):
@@ -122,6 +125,8 @@ class ServoPhysics:
         self._gains = np.zeros((len(Gains._fields), count))
         self._velocity_loop = np.zeros(count, bool)
         self._regulated: set[int] = set()  # servos that need more than P
+        self._drops = np.zeros((2, count))  # V across the windings at the lowest and the highest current
+        self._current_limited: set[int] = set()
         self._goals = Trajectories(count)
         self._scale, self._offset = np.zeros((2, _SCALED, count))
         self._moving_above = np.zeros(count)
@@ -163,6 +168,8 @@ class ServoPhysics:
             duty *= self._gains[0]
         else:
             self._run_loops(elapsed)
+        if self._current_limited:
+            self._limit_currents()
         np.minimum(duty, self._limit, out=duty)
         np.maximum(duty, -self._limit, out=duty)
         self._run_motors()
@@ -209,6 +216,11 @@ class ServoPhysics:
             p * error + self._sum + d * speed_error + feed_speed * goals.speed
             + feed_acceleration * goals.acceleration + punch * np.sign(error) + self._open_loop)
 
+    def _limit_currents(self) -> None:
+        back_emf, supply = self._torque_constant * self._velocity, np.maximum(self.terminal_v, _DEAD_SUPPLY)
+        lowest, highest = (back_emf + self._drops) / supply
+        np.clip(self.duty, lowest, highest, out=self.duty)
+
     def _run_motors(self) -> None:
         np.multiply(self.terminal_v, self.duty, out=self._voltage)
         np.multiply(self._torque_constant, self._velocity, out=self.current)
@@ -226,6 +238,12 @@ class ServoPhysics:
         self._gains[:, index] = gains
         self._velocity_loop[index] = drive.velocity_loop
         self._conductance[index] = drive.on / self._resistance[index]
+        self._drops[:, index] = drive.currents
+        self._drops[:, index] *= self._resistance[index]
+        if drive.on and math.isfinite(drive.currents[1]):
+            self._current_limited.add(index)
+        else:
+            self._current_limited.discard(index)
         if gains.integral == 0.0:
             self._sum[index] = 0.0
         if not drive.on:

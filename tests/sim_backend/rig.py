@@ -4,7 +4,9 @@ from typing import Any
 
 import mujoco
 
-from hal.register_map import Register
+from hal.register_map import Register, ServoModel
+from sim_backend.brands import make_servo
+from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.servo_physics import ServoPhysics
 
 MS = 1_000_000  # ns
@@ -85,3 +87,18 @@ class Turning:
         for _ in range(round(seconds * 1000)):
             self.now += MS
             self.hinge.step(self.now)
+
+
+class Rig(Turning, Registers):
+    """One servo of any brand, whose shaft MuJoCo moves."""
+
+    def __init__(self, model: ServoModel, spring: float = 0.0, **factory_settings: int) -> None:
+        self.physics = ServoPhysics([model])
+        self.servo = make_servo(self.physics, 0, **factory_settings)
+        self.hinge = Hinge(self.physics, spring)
+        self.now = 0
+
+    def read_bytes(self, register: Register) -> bytes:
+        if isinstance(self.servo, DynamixelServo):
+            return self.servo.read(register.address, register.size, self.now)
+        return super().read_bytes(register)
