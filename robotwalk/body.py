@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 
-from robotwalk.types import LEVEL, Pose, Twist, Vec3
+from robotwalk.types import LEVEL, UP, Pose, Twist, Vec3
 
 
 def advanced(pose: Pose, twist: Twist, seconds: float) -> Pose:
@@ -50,6 +50,15 @@ def seen_from(pose: Pose, points: Iterable[Vec3]) -> list[Vec3]:
             zx * dx + zy * dy + zz * dz,
         ))
     return seen
+
+
+def up_axis(pose: Pose) -> Vec3:
+    """Return the up axis of a body's base at `pose`, in odom."""
+    if pose.roll == pose.pitch == 0.0:
+        return UP
+    cr, sr = math.cos(pose.roll), math.sin(pose.roll)
+    sp, cy, sy = math.sin(pose.pitch), math.cos(pose.yaw), math.sin(pose.yaw)
+    return Vec3(cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, math.cos(pose.pitch) * cr)
 
 
 class Ramp:

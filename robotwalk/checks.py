@@ -13,7 +13,6 @@ from robotwalk.kinematics import Solution, foot_position, resting_angles, solver
 from robotwalk.model import Leg, RobotModel
 from robotwalk.supervisor import State
 from robotwalk.support import centre_of_mass, support_margin
-from robotwalk.swing import SWING_PATHS, way_made
 from robotwalk.types import LEVEL, Command, Twist, Vec3
 
 _DIRECTIONS = 24  # in which strides are tried
@@ -161,16 +160,16 @@ def _longest_swings(model: RobotModel, leg: Leg, body_way: float) -> Iterator[Ve
     During a swing the body moves on by `body_way` strides, evenly, while the foot starts and lands at rest: first
     it falls behind the stride's end.
     """
-    path = SWING_PATHS[model.swing_path]
     for height in (model.heights.lowest, model.heights.stand, model.heights.highest):
         for index in range(_DIRECTIONS):
             angle = math.tau * index / _DIRECTIONS
             for moment in _MOMENTS:
-                way = way_made(moment)
+                point = leg.swing_path.at(moment)
+                way = point.way.position
                 offset = leg.max_stride * (way - 0.5 + body_way * (way - moment))
                 yield Vec3(
                     leg.rest_foot.x + offset * math.cos(angle), leg.rest_foot.y + offset * math.sin(angle),
-                    model.foot_radius - height + leg.lift * path(way))
+                    model.foot_radius - height + leg.lift * point.height.position)
 
 
 def _margins(leg: Leg, solution: Solution) -> list[Margin]:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from robotwalk.body import Body, seen_from
+from robotwalk.body import Body, seen_from, up_axis
 from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.kinematics import solver_for
@@ -134,7 +134,8 @@ class Controller:
     def _step_feet(self, twist: Twist, dt: float) -> Footfalls:
         if self._idle:
             return self._stepping.footfalls()
-        return self._stepping.step(self._clock, self._body.course, twist, dt, hold=self._waiting)
+        up = up_axis(self._pose)
+        return self._stepping.step(self._clock, self._body.course, twist, dt, hold=self._waiting, up=up)
 
     def _angles(self, footfalls: Footfalls) -> tuple[list[float], float]:
         angles: list[float] = []

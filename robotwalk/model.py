@@ -10,7 +10,8 @@ from enum import Enum
 from functools import cached_property
 from typing import NamedTuple
 
-from robotwalk.config.schema import FootfallConfig, LegConfig, RobotConfig
+from robotwalk.config.schema import FootfallConfig, LegConfig, RobotConfig, SwingPathConfig
+from robotwalk.swing_paths import SwingPath, swing_path
 from robotwalk.types import Vec3
 
 
@@ -47,6 +48,7 @@ class Leg:
     rest_foot: Vec3  # centre of the resting foot in the base frame, the body at standing height
     max_stride: float  # m
     lift: float  # m
+    swing_path: SwingPath
 
     @property
     def span(self) -> slice:
@@ -85,7 +87,6 @@ class RobotModel:
     foot_mass: float
     heights: Heights
     motion: MotionLimits
-    swing_path: str
 
     @cached_property
     def joints(self) -> tuple[Joint, ...]:
@@ -122,7 +123,7 @@ class RobotModel:
         legs: list[Leg] = []
         first = 0
         for name, leg in skeleton.legs.items():
-            legs.append(_leg(name, leg, motion.feet[name], first, foot_radius - heights.stand))
+            legs.append(_leg(name, leg, motion.feet[name], first, foot_radius - heights.stand, motion.swing_path))
             first += len(leg.joints)
         return cls(
             name=config.name,
@@ -139,7 +140,6 @@ class RobotModel:
                 turn_acceleration=math.radians(motion.turn_acceleration_deg_s2),
                 min_swing=motion.min_swing_s,
             ),
-            swing_path=motion.swing_path,
         )
 
 
@@ -151,7 +151,9 @@ def _vector(millimetres: tuple[float, float, float]) -> Vec3:
     return Vec3(*(_metres(value) for value in millimetres))
 
 
-def _leg(name: str, leg: LegConfig, footfall: FootfallConfig, first: int, foot_z: float) -> Leg:
+def _leg(
+    name: str, leg: LegConfig, footfall: FootfallConfig, first: int, foot_z: float, path: SwingPathConfig
+) -> Leg:
     mount, yaw = _vector(leg.mount_mm), math.radians(leg.yaw_deg)
     out, side = (_metres(value) for value in footfall.rest_mm)
     c, s = math.cos(yaw), math.sin(yaw)
@@ -177,4 +179,5 @@ def _leg(name: str, leg: LegConfig, footfall: FootfallConfig, first: int, foot_z
         rest_foot=Vec3(mount.x + c * out - s * side, mount.y + s * out + c * side, foot_z),
         max_stride=_metres(footfall.max_stride_mm),
         lift=_metres(footfall.lift_mm),
+        swing_path=swing_path(footfall.swing_path or path),
     )

@@ -11,8 +11,8 @@ from typing import NamedTuple
 from robotwalk.body import advanced, placed
 from robotwalk.gait import Gait, GaitClock, Sector
 from robotwalk.model import Leg, RobotModel
-from robotwalk.swing import SWING_PATHS, Motion, least_jerk, way_made
-from robotwalk.types import STILL, Pose, Twist, Vec3
+from robotwalk.swing import Swing
+from robotwalk.types import STILL, UP, Pose, Twist, Vec3
 
 _AT_REST = 1.5e-3  # m; a foot this near its rest position need not step
 _LATEST_LIFTOFF = 0.6  # of a sector; a foot held back for longer sits this swing out
@@ -33,24 +33,20 @@ class _Foot:
 
     def __init__(self, leg: Leg) -> None:
         self.leg = leg
-        self.x = self.y = Motion(0.0, 0.0, 0.0)
-        self.target = (0.0, 0.0)  # where it stands, or is being carried to
-        self.lift = 0.0
-        self.sector: Sector | None = None  # of the swing under way
-        self.share = 0.0  # turns that this swing takes
-        self.progress = 0.0
+        self.place = self.target = Vec3(0.0, 0.0, 0.0)  # of its centre; where it stands, or is being carried to
+        self.swing: Swing | None = None  # under way
+        self.sector: Sector | None = None  # of that swing
+        self.share = 0.0  # turns that it takes
         self.spent: Sector | None = None  # the sector already used in this turn of the needle
 
-    def plant(self, x: float, y: float) -> None:
-        self.x, self.y = Motion(x, 0.0, 0.0), Motion(y, 0.0, 0.0)
-        self.target = (x, y)
-        self.lift = 0.0
-        self.sector = None
+    def plant(self, place: Vec3) -> None:
+        self.place = self.target = place
+        self.swing = self.sector = None
 
     def offset(self, course: Pose) -> tuple[float, float]:
         """Return where the foot is from its rest position, in the body's axes, m."""
         x, y = placed(course, self.leg.rest_foot)
-        dx, dy = self.x.position - x, self.y.position - y
+        dx, dy = self.place.x - x, self.place.y - y
         c, s = math.cos(course.yaw), math.sin(course.yaw)
         return c * dx + s * dy, c * dy - s * dx
 
@@ -58,22 +54,22 @@ class _Foot:
         """Return how far the foot is from its rest position, m."""
         return math.hypot(*self.offset(course))
 
-    def lift_off(self, sector: Sector, share: float) -> None:
+    def lift_off(self, sector: Sector, share: float) -> Swing:
         self.sector = sector
         self.share = share
-        self.progress = 0.0
+        self.swing = Swing(self.leg.swing_path, self.leg.lift, self.place)
+        return self.swing
 
 
 class Stepping:
     """Steps the feet under a moving body, by the needle of a gait clock."""
 
     def __init__(self, model: RobotModel, course: Pose) -> None:
-        self._path = SWING_PATHS[model.swing_path]
         self._ground = model.foot_radius
         self._min_swing = model.motion.min_swing
         self._feet = [_Foot(leg) for leg in model.legs]
         for foot in self._feet:
-            foot.plant(*placed(course, foot.leg.rest_foot))
+            foot.plant(Vec3(*placed(course, foot.leg.rest_foot), self._ground))
 
     def change_gait(self, clock: GaitClock, gait: Gait, course: Pose, twist: Twist) -> float:
         """Go on with another gait as soon as the standing feet can wait for their turns in it.
@@ -139,12 +135,15 @@ class Stepping:
         return all(foot.sector is None and foot.displacement(course) <= _AT_REST for foot in self._feet)
 
     def step(
-        self, clock: GaitClock, course: Pose, twist: Twist, dt: float, *, hold: bool = False
+        self, clock: GaitClock, course: Pose, twist: Twist, dt: float, *, hold: bool = False, up: Vec3 = UP
     ) -> Footfalls:
-        """Advance all feet by `dt` s, the body being at `course` and moving with `twist`; on `hold` none lifts off."""
+        """Advance all feet by `dt` s, the body being at `course` and moving with `twist`; on `hold` none lifts off.
+
+        Swings are in the plane of their direction and `up`, the body's up axis in odom.
+        """
         for index, foot in enumerate(self._feet):
-            if foot.sector is not None:
-                self._swing(foot, foot.sector, clock.period, course, twist, dt)
+            if foot.swing is not None and foot.sector is not None:
+                self._swing(foot, foot.swing, foot.sector, clock.period, course, twist, dt, up)
                 if foot.sector is None:
                     foot.spent = clock.gait.sector_at(index, clock.phase)
         # Landings come first: a foot that waited for one lifts off in the same tick.
@@ -159,17 +158,16 @@ class Stepping:
             if sector is None or idle or hold or not clock.gait.lifts_together(in_air | {index}):
                 continue
             in_air.add(index)
-            foot.lift_off(sector, (1.0 - sector.progress(clock.phase)) * sector.length)
-            self._swing(foot, sector, clock.period, course, twist, dt)
+            swing = foot.lift_off(sector, (1.0 - sector.progress(clock.phase)) * sector.length)
+            self._swing(foot, swing, sector, clock.period, course, twist, dt, up)
         return self.footfalls()
 
     def footfalls(self) -> Footfalls:
         """Return the feet as they are."""
-        ground = self._ground
         return Footfalls(
-            tuple(Vec3(foot.x.position, foot.y.position, ground + foot.lift) for foot in self._feet),
+            tuple(foot.place for foot in self._feet),
             tuple(foot.sector is None for foot in self._feet),
-            tuple(foot.target for foot in self._feet),
+            tuple((foot.target.x, foot.target.y) for foot in self._feet),
         )
 
     def _due(self, foot: _Foot, index: int, gait: Gait, phase: float) -> Sector | None:
@@ -180,20 +178,17 @@ class Stepping:
         return sector
 
     def _swing(
-        self, foot: _Foot, sector: Sector, period: float, course: Pose, twist: Twist, dt: float
+        self, foot: _Foot, swing: Swing, sector: Sector, period: float, course: Pose, twist: Twist, dt: float, up: Vec3
     ) -> None:
         seconds = max(foot.share * period, self._min_swing)
-        remaining = (1.0 - foot.progress) * seconds
-        if foot.progress <= _LATEST_RETARGET:
-            foot.target = footprint(foot.leg, course, twist, remaining - dt + 0.5 * sector.stance * period)
-        x, y = foot.target
-        foot.x = least_jerk(foot.x, x, remaining, dt)
-        foot.y = least_jerk(foot.y, y, remaining, dt)
-        foot.progress += dt / seconds
-        if foot.progress >= 1.0:
-            foot.plant(x, y)
-        else:
-            foot.lift = foot.leg.lift * self._path(way_made(foot.progress))
+        if swing.progress <= _LATEST_RETARGET:
+            remaining = (1.0 - swing.progress) * seconds
+            x, y = footprint(foot.leg, course, twist, remaining - dt + 0.5 * sector.stance * period)
+            foot.target = Vec3(x, y, self._ground)
+            swing.retarget(foot.target)
+        foot.place = swing.step(dt, seconds, up)
+        if swing.progress >= 1.0:
+            foot.plant(foot.target)
 
 
 def footprint(leg: Leg, course: Pose, twist: Twist, seconds: float) -> tuple[float, float]:

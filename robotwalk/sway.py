@@ -17,7 +17,8 @@ from robotwalk.model import RobotModel
 from robotwalk.stands import Stand, coming_stands
 from robotwalk.stepping import Footfalls
 from robotwalk.support import HalfPlane, centre_of_mass, nearest_inside, support_polygon
-from robotwalk.swing import Motion, least_jerk
+from robotwalk.swing import least_jerk
+from robotwalk.swing_paths import Motion
 from robotwalk.types import Pose, Twist, Vec3
 
 _GRAVITY = 9.81  # m/s^2

@@ -1,24 +1,13 @@
-"""How a foot is carried over: across the ground with least jerk, and up along a curve.
+"""How a foot is carried over: along its path, and without a jump when the path, its end or its time change.
 
-Along the ground the foot follows, from wherever it is and however fast it moves, the quintic that ends at
-rest on the target (Flash and Hogan 1985). Solved anew in each tick, it takes a moving target without a jump
-in position, velocity or acceleration, and a fixed target gives the plain minimum-jerk curve. Upwards the foot
-follows a curve over the way already made, so both velocities vanish at lift-off and at touchdown.
+A quintic takes a motion to rest in a given time with the least jerk (Flash and Hogan 1985). Solved anew in each tick,
+it takes up whatever a change of plan would make the foot jump by, and lets it die out until touchdown.
 """
 
-import math
-from collections.abc import Callable
-from typing import NamedTuple
+from robotwalk.swing_paths import Motion, SwingPath
+from robotwalk.types import UP, Vec3
 
-_ROUNDING = 0.15
-
-
-class Motion(NamedTuple):
-    """Position, velocity and acceleration along one axis."""
-
-    position: float
-    velocity: float
-    acceleration: float
+_STILL = Motion(0.0, 0.0, 0.0)
 
 
 def least_jerk(motion: Motion, target: float, remaining: float, dt: float) -> Motion:
@@ -46,18 +35,107 @@ def way_made(progress: float) -> float:
     return u * u * u * (10.0 + u * (-15.0 + 6.0 * u))
 
 
-def parabola(way: float) -> float:
-    """Return the height over the way made, both 0 to 1 (PPS section 3)."""
-    return 4.0 * way * (1.0 - way)
+class Swing:
+    """One foot's way from lift-off to touchdown and, if its path retracts and nothing was struck, back.
 
+    The foot is at `start + way (target - start) + lift height up + rest`. What a new target, path, lift or duration
+    would make it jump by, in position, velocity or acceleration, goes into the rest, which has died out at the end of
+    the half of the path that the foot is on.
 
-def half_ellipse(way: float) -> float:
-    """Return the height over the way made, both 0 to 1 (ARTH figure 3, its first half).
-
-    A true ellipse starts upright, which no servo follows; its ends are rounded by `_ROUNDING` of its height.
+    Attributes:
+        start, target: in one frame that stands still, m.
+        progress: 0 at lift-off, 1 at the nominal touchdown, 2 back at the start.
+        position: of the foot, m.
     """
-    chord = 4.0 * max(way * (1.0 - way), 0.0)
-    return (math.sqrt(chord + _ROUNDING**2) - _ROUNDING) / (math.sqrt(1.0 + _ROUNDING**2) - _ROUNDING)
 
+    __slots__ = ("_height", "_lift", "_path", "_rest", "_seconds", "_up", "_way", "position", "progress", "start",
+                 "target")
 
-SWING_PATHS: dict[str, Callable[[float], float]] = {"parabola": parabola, "half_ellipse": half_ellipse}
+    def __init__(self, path: SwingPath, lift: float, start: Vec3) -> None:
+        """Lift off at `start`; the foot comes down there unless it is sent elsewhere."""
+        self.start = self.target = self.position = start
+        self.progress = 0.0
+        self._path = path
+        self._lift = lift  # m
+        self._way, self._height = path.at(0.0)  # by progress
+        self._rest = (_STILL, _STILL, _STILL)
+        self._seconds = 1.0  # of each half
+        self._up = UP
+
+    @property
+    def velocity(self) -> Vec3:
+        """The foot's, m/s; what a moving up axis adds is left out."""
+        way, rise = self._way.velocity / self._seconds, self._lift * self._height.velocity / self._seconds
+        (sx, sy, sz), (tx, ty, tz), (ux, uy, uz) = self.start, self.target, self._up
+        x, y, z = self._rest
+        return Vec3(
+            (tx - sx) * way + ux * rise + x.velocity, (ty - sy) * way + uy * rise + y.velocity,
+            (tz - sz) * way + uz * rise + z.velocity)
+
+    def retarget(self, target: Vec3) -> None:
+        """Come down elsewhere."""
+        (x, y, z), (ax, ay, az), (bx, by, bz) = self._rest, self.target, target
+        self._rest = (self._kept(x, self._way, ax - bx), self._kept(y, self._way, ay - by),
+                      self._kept(z, self._way, az - bz))
+        self.target = target
+
+    def replace(self, path: SwingPath, lift: float) -> None:
+        """Go on along another path, or with another lift, in m."""
+        way, height = path.at(self.progress)
+        dway = Motion(*(a - b for a, b in zip(self._way, way, strict=True)))
+        dheight = Motion(*(self._lift * a - lift * b for a, b in zip(self._height, height, strict=True)))
+        self._add_to_rest(dway, dheight)
+        self._path, self._lift, self._way, self._height = path, lift, way, height
+
+    def step(self, dt: float, seconds: float, up: Vec3 = UP) -> Vec3:
+        """Go on by `dt` s and return where the foot is.
+
+        Args:
+            dt: s.
+            seconds: that each half of the path takes, counted from its begin. It may change in mid-swing.
+            up: the body's up axis, in the frame of the points.
+        """
+        if seconds != self._seconds:
+            self._take(seconds)
+        half = 1.0 if self.progress < 1.0 else 2.0
+        remaining = (half - self.progress) * seconds
+        # The end is met exactly, and a half begins no sooner than the tick after the other has ended.
+        self.progress = self.progress + dt / seconds if remaining > dt else half
+        x, y, z = self._rest = (
+            least_jerk(self._rest[0], 0.0, remaining, dt), least_jerk(self._rest[1], 0.0, remaining, dt),
+            least_jerk(self._rest[2], 0.0, remaining, dt) if self._rest[2] != _STILL else _STILL)
+        self._way, self._height = self._path.at(self.progress)
+        self._up = up
+        way, rise = self._way.position, self._lift * self._height.position
+        (sx, sy, sz), (tx, ty, tz) = self.start, self.target
+        self.position = Vec3(
+            sx + way * (tx - sx) + rise * up.x + x.position, sy + way * (ty - sy) + rise * up.y + y.position,
+            sz + way * (tz - sz) + rise * up.z + z.position)
+        return self.position
+
+    def _take(self, seconds: float) -> None:
+        """Change the time of a half; the way made stays, and the speed until then goes into the rest."""
+        ratio = self._seconds / seconds
+        first, second = 1.0 - ratio, 1.0 - ratio * ratio
+        dway = Motion(0.0, first * self._way.velocity, second * self._way.acceleration)
+        dheight = Motion(
+            0.0, self._lift * first * self._height.velocity, self._lift * second * self._height.acceleration)
+        self._add_to_rest(dway, dheight)
+        self._seconds = seconds
+
+    def _add_to_rest(self, dway: Motion, dheight: Motion) -> None:
+        (sx, sy, sz), (tx, ty, tz), (ux, uy, uz) = self.start, self.target, self._up
+        x, y, z = self._rest
+        self._rest = (
+            self._kept(self._kept(x, dway, tx - sx), dheight, ux),
+            self._kept(self._kept(y, dway, ty - sy), dheight, uy),
+            self._kept(self._kept(z, dway, tz - sz), dheight, uz))
+
+    def _kept(self, rest: Motion, by_progress: Motion, factor: float) -> Motion:
+        """Add a multiple of a motion by progress to one by time."""
+        if factor == 0.0:
+            return rest
+        inverse = factor / self._seconds
+        return Motion(
+            rest.position + factor * by_progress.position, rest.velocity + inverse * by_progress.velocity,
+            rest.acceleration + inverse / self._seconds * by_progress.acceleration)

@@ -33,6 +33,7 @@ class Pose(NamedTuple):
     yaw: float
 
 
+UP = Vec3(0.0, 0.0, 1.0)
 LEVEL = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 STILL = Twist(0.0, 0.0, 0.0)
 

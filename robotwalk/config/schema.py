@@ -3,9 +3,11 @@
 A unit is part of a key's name. Values stay here as the file has them; `robotwalk.model` turns them into SI.
 """
 
-from typing import Annotated, Any, Literal
+import itertools
+import math
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 Positive = Annotated[float, Field(gt=0)]
 Triple = tuple[float, float, float]
@@ -76,12 +78,55 @@ class HeightConfig(Section):
     highest: Positive
 
 
+PathPointConfig = tuple[float, float]
+BezierPiece = tuple[PathPointConfig, PathPointConfig, PathPointConfig, PathPointConfig]
+_SAME_DIRECTION = 1e-3  # rad
+
+
+def _spliced(pieces: list[BezierPiece], start: PathPointConfig, end: PathPointConfig) -> list[BezierPiece]:
+    if pieces[0][0] != start or pieces[-1][3] != end:
+        raise ValueError(f"should lead from {list(start)} to {list(end)}")
+    for number, ((_, _, c, d), (a, b, _, _)) in enumerate(itertools.pairwise(pieces), start=1):
+        if a != d:
+            raise ValueError(f"piece {number + 1} should begin at {list(d)}, where piece {number} ends")
+        before, after = (d[0] - c[0], d[1] - c[1]), (b[0] - a[0], b[1] - a[1])
+        cross, dot = before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1]
+        if dot <= 0.0 or abs(math.atan2(cross, dot)) > _SAME_DIRECTION:
+            raise ValueError(
+                f"piece {number + 1} should go on in the direction in which piece {number} ends: the control points on "
+                f"both sides of {list(d)} in one line with it, none of them there")
+    return pieces
+
+
+class BezierConfig(Section):
+    """A foot's path of cubic Bezier pieces, each of four control points [way, height].
+
+    The way is a share of the step; heights are shares of each other: the highest becomes the leg's lift.
+    """
+
+    bezier: Annotated[
+        list[BezierPiece], Field(min_length=1), AfterValidator(lambda p: _spliced(p, (0.0, 0.0), (1.0, 0.0)))]
+    retraction: Annotated[
+        list[BezierPiece], Field(min_length=1), AfterValidator(lambda p: _spliced(p, (1.0, 0.0), (0.0, 0.0)))
+    ] | None = None
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if max(point[1] for piece in self.bezier for point in piece) <= 0.0:
+            raise ValueError("should rise above the ground")
+        return self
+
+
+SwingPathConfig = Literal["parabola", "half_ellipse", "ellipse"] | BezierConfig
+
+
 class FootfallConfig(Section):
     """Where a foot rests, how far it may step, how high it is lifted."""
 
     rest_mm: tuple[float, float]  # from the mount, along its x and y
     max_stride_mm: Positive
     lift_mm: Positive
+    swing_path: SwingPathConfig | None = None  # None: as the others
 
 
 class LocomotionConfig(Section):
@@ -93,7 +138,7 @@ class LocomotionConfig(Section):
     acceleration_mps2: Positive
     turn_acceleration_deg_s2: Positive
     min_swing_s: Positive
-    swing_path: Literal["parabola", "half_ellipse"]
+    swing_path: SwingPathConfig
     feet: dict[str, FootfallConfig]
 
 

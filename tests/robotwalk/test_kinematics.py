@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from robotwalk.errors import ConfigError
 from robotwalk.kinematics import chain_points, foot_position, resting_angles, solver_for
 from robotwalk.model import Axis, Joint, Leg, RobotModel
+from robotwalk.swing_paths import swing_path
 from robotwalk.types import Vec3
 
 LEGS = {"lf": 0, "lm": 1, "lr": 2, "rf": 3, "rm": 4, "rr": 5}
@@ -46,7 +47,7 @@ def test_foot_by_hand(hexapod: RobotModel, name: str, angles: tuple[float, ...],
 ])
 def test_a_quarter_turn_about_each_axis(axis: Axis, link: Vec3, foot: tuple[float, ...]) -> None:
     joint = Joint("j", axis, link, -2.0, 2.0, 0.0, 0.1, 0.01)
-    leg = Leg("one", Vec3(1.0, 2.0, 3.0), 0.0, (joint,), 0, Vec3(0.0, 0.0, 0.0), 0.1, 0.03)
+    leg = Leg("one", Vec3(1.0, 2.0, 3.0), 0.0, (joint,), 0, Vec3(0.0, 0.0, 0.0), 0.1, 0.03, swing_path("ellipse"))
     assert foot_position(leg, degrees(90)) == pytest.approx(foot, abs=1e-12)
 
 

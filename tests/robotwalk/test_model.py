@@ -59,4 +59,4 @@ def test_motion_limits(hexapod: RobotModel) -> None:
     assert motion == pytest.approx((0.25, 1.0471976, 0.3, 2.0943951, 0.3))
     assert (hexapod.heights.sit, hexapod.heights.stand) == pytest.approx((0.03, 0.109))
     assert hexapod.heights.lowest < hexapod.heights.stand < hexapod.heights.highest
-    assert hexapod.swing_path == "half_ellipse"
+    assert all(leg.swing_path.retracts for leg in hexapod.legs)

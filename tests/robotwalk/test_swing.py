@@ -1,10 +1,15 @@
 """A foot's way through the air."""
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robotwalk.swing import SWING_PATHS, Motion, half_ellipse, least_jerk, parabola, way_made
+from robotwalk.config.schema import BezierConfig
+from robotwalk.swing import Swing, least_jerk, way_made
+from robotwalk.swing_paths import Motion, SwingPath, swing_path
+from robotwalk.types import Vec3
 
 DT = 0.01
 REST = Motion(0.0, 0.0, 0.0)
@@ -74,28 +79,93 @@ def test_way_made() -> None:
         [0.0, 0.0, 0.103515625, 0.5, 0.896484375, 1.0, 1.0])
 
 
-@pytest.mark.parametrize("path", SWING_PATHS.values())
-def test_a_lift_is_zero_at_both_ends_and_one_half_way(path: object) -> None:
-    assert callable(path)
-    assert path(0.0) == pytest.approx(0.0, abs=1e-12)
-    assert path(1.0) == pytest.approx(0.0, abs=1e-12)
-    assert path(0.5) == pytest.approx(1.0, abs=1e-12)
-    heights = [path(index / 100) for index in range(101)]
-    assert heights[:51] == sorted(heights[:51])
-    assert heights == pytest.approx(heights[::-1])
+WINDING = BezierConfig.model_validate({
+    "bezier": [[[0, 0], [-0.1, 0.1], [-0.1, 0.9], [0.3, 1.2]], [[0.3, 1.2], [0.6, 1.425], [1.1, 0.6], [1, 0]]],
+    "retraction": [[[1, 0], [0.95, -0.3], [0, -0.4], [0, 0]]]})
+PATHS = [swing_path(config) for config in ("parabola", "half_ellipse", "ellipse", WINDING)]
+TARGET = Vec3(0.1, -0.04, 0.02)
+START = Vec3(0.0, 0.0, 0.009)
+
+path = st.sampled_from(PATHS)
+# In mid-swing: another place, another path and lift, another duration.
+change = st.one_of(
+    st.builds(Vec3, place, place, st.floats(-0.05, 0.05)), st.tuples(path, st.floats(0.0, 0.08)), st.floats(0.25, 0.8))
 
 
-@pytest.mark.parametrize("path", SWING_PATHS.values())
-def test_a_foot_leaves_and_meets_the_ground_without_speed(path: object) -> None:
-    assert callable(path)
-    du = 1e-4
-    for progress in (0.0, 1.0 - du):
-        assert abs(path(way_made(progress + du)) - path(way_made(progress))) / du < 1e-5
+@pytest.mark.parametrize("path", PATHS)
+def test_from_lift_off_to_touchdown_and_back(path: SwingPath) -> None:
+    swing = Swing(path, 0.03, START)
+    swing.retarget(TARGET)
+    forth = [START, *(swing.step(DT, 0.4) for _ in range(40))]
+    assert swing.progress == 1.0
+    assert forth[-1] == pytest.approx(TARGET, abs=1e-12)
+    chord = [START.z + (p.x - START.x) / (TARGET.x - START.x) * (TARGET.z - START.z) for p in forth]
+    assert max(p.z - base for p, base in zip(forth, chord, strict=True)) == pytest.approx(0.03, abs=2e-4)
+    assert all(p.y / TARGET.y == pytest.approx(p.x / TARGET.x) for p in forth)  # straight, seen from above
+    back = [swing.step(DT, 0.4) for _ in range(41)]
+    if path.retracts:
+        assert back[39] == back[40] == pytest.approx(START, abs=1e-12)
+        assert min(p.z for p in back) < -0.002
+    else:
+        assert set(back) == {TARGET}
 
 
-def test_shapes() -> None:
-    assert parabola(0.25) == pytest.approx(0.75)
-    assert parabola(0.1) == pytest.approx(0.36)
-    # The ellipse is the steeper one: 2 sqrt(w (1 - w)) is 0.6 at a tenth of the way, and its ends are rounded.
-    assert half_ellipse(0.1) == pytest.approx(0.5440, abs=1e-4)
-    assert half_ellipse(0.25) == pytest.approx(0.8464, abs=1e-4)
+@given(path, st.floats(0.0, 0.08))
+def test_a_foot_leaves_and_meets_the_ground_without_speed(path: SwingPath, lift: float) -> None:
+    swing = Swing(path, lift, START)
+    swing.retarget(TARGET)
+    assert swing.velocity == (0.0, 0.0, 0.0)
+    for half in (1.0, 2.0):
+        before = swing.position
+        assert math.dist(swing.step(1e-3, 0.5), before) < 1e-6
+        while swing.progress < half:
+            swing.step(1e-3, 0.5)
+        assert swing.velocity == (0.0, 0.0, 0.0)
+
+
+@given(path, st.dictionaries(st.integers(0, 9), change, max_size=4))
+def test_nothing_that_changes_in_mid_swing_makes_a_foot_jump(path: SwingPath, changes: dict[int, object]) -> None:
+    dt, seconds = 1e-3, 0.4
+    swing = Swing(path, 0.03, START)
+    swing.retarget(TARGET)
+    tick = 0
+    while swing.progress < 0.7:
+        now = changes.get(tick // 25) if tick % 25 == 0 else None
+        before, speed = swing.position, swing.velocity
+        if isinstance(now, Vec3):
+            swing.retarget(now)
+        elif isinstance(now, tuple):
+            swing.replace(*now)
+        elif isinstance(now, float):
+            seconds = now
+        assert swing.velocity == pytest.approx(speed, abs=1e-9)
+        swing.step(dt, seconds)
+        # As far as the mean of both speeds takes it; and no speed changes by more than 150 m/s^2 would.
+        mean = [0.5 * (a + b) * dt for a, b in zip(speed, swing.velocity, strict=True)]
+        assert [a - b for a, b in zip(swing.position, before, strict=True)] == pytest.approx(mean, abs=2e-5)
+        assert math.dist(swing.velocity, speed) < 150.0 * dt
+        tick += 1
+    target = swing.target
+    while swing.progress < 1.0:
+        swing.step(dt, seconds)
+    assert swing.position == pytest.approx(target, abs=1e-12)
+
+
+def test_with_a_fixed_target_and_an_even_path_the_foot_goes_with_least_jerk() -> None:
+    swing = Swing(PATHS[2], 0.03, START)
+    swing.retarget(TARGET)
+    motion = REST
+    for tick in range(40):
+        if tick == 10:
+            swing.retarget(Vec3(0.14, 0.0, 0.0))
+        motion = least_jerk(motion, 0.14 if tick >= 10 else 0.1, 0.4 - tick * DT, DT)
+        assert swing.step(DT, 0.4).x == pytest.approx(motion.position, abs=1e-12)
+
+
+def test_a_swing_lies_in_the_plane_of_its_direction_and_the_bodys_up_axis() -> None:
+    up = Vec3(math.sin(0.3), 0.0, math.cos(0.3))
+    swing = Swing(PATHS[2], 0.03, START)
+    swing.retarget(Vec3(0.1, 0.0, 0.009))
+    for _ in range(20):
+        swing.step(DT, 0.4, up)
+    assert swing.position == pytest.approx((0.05 + 0.03 * up.x, 0.0, 0.009 + 0.03 * up.z))
