@@ -19,9 +19,13 @@ class WallClock:
     def wait(self, ports: Sequence[BytePort], deadline: int) -> None:
         """Return once a port has bytes to read or `deadline` has come; sleep meanwhile."""
         left = deadline - self.now()
-        if left > 0:
+        if left <= 0:
+            return
+        if ports:
             # select() counts in microseconds; poll() would round up to whole milliseconds.
             select.select([port.fileno() for port in ports], [], [], left / _NS)
+        else:
+            time.sleep(left / _NS)
 
 
 class Grid:

@@ -1,25 +1,8 @@
 """Simulated time tied to the monotonic clock."""
 
-import contextlib
-import ctypes
-import os
 import time
 
 LONGEST_CATCH_UP = 50_000_000  # ns
-
-_PRIORITY = 10  # of 99: above all that is ordinary, below what the kernel itself needs
-_PR_SET_TIMERSLACK = 29  # linux/prctl.h
-
-
-def sharpen_timers() -> None:
-    """Have this thread's sleeps end within microseconds; Linux otherwise lets them end 50 us late."""
-    ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, ctypes.c_ulong(1))
-
-
-def raise_priority() -> None:
-    """Have this process run before ordinary ones, if it has the right to."""
-    with contextlib.suppress(OSError):
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_PRIORITY))
 
 
 class RealTime:

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Protocol
 
 from robotwalk.model import RobotModel
+from robotwalk.realtime import sharpen_timers
 from sim_backend.endpoint import Endpoint
-from sim_backend.real_time import RealTime, sharpen_timers
+from sim_backend.real_time import RealTime
 from sim_backend.simulated_clock import SimulatedClock
 from sim_backend.simulation import SimulatedRobot
 from sim_backend.truth_stream import TruthStream

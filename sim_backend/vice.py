@@ -14,10 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from hal.register_map import ServoModel
+from robotwalk.realtime import raise_priority, sharpen_timers
 from sim_backend.brands import make_device, make_servo
 from sim_backend.endpoint import Endpoint
 from sim_backend.pty_endpoint import open_ptys
-from sim_backend.real_time import RealTime, raise_priority, sharpen_timers
+from sim_backend.real_time import RealTime
 from sim_backend.server import Server
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.simulated_clock import SimulatedClock

@@ -11,7 +11,8 @@ CONTRACTS = ("robotwalk.ports", "robotwalk.types", "robotwalk.errors")
 ALLOWED = {
     "robotwalk": ("robotwalk",),
     "hal": ("hal", *CONTRACTS),
-    "sim_backend": ("sim_backend", "hal.register_map", "robotwalk.config", "robotwalk.model", *CONTRACTS),
+    "sim_backend": (
+        "sim_backend", "hal.register_map", "robotwalk.config", "robotwalk.model", "robotwalk.realtime", *CONTRACTS),
 }
 COMPOSITION_ROOT = Path("robotwalk/assembly")
 

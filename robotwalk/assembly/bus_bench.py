@@ -20,7 +20,7 @@ from robotwalk.assembly.blueprint import Blueprint, load
 from robotwalk.assembly.session import bus_of, check_rate
 from robotwalk.clock import Grid, WallClock
 from robotwalk.errors import BusError, UsageError
-from sim_backend.real_time import raise_priority, sharpen_timers
+from robotwalk.realtime import processors_awake, raise_priority, sharpen_timers
 from sim_backend.vice import BenchServo, serve_bench
 
 _NS = 1_000_000_000
@@ -33,7 +33,7 @@ class Pace(NamedTuple):
 
     p50: float  # s
     p99: float
-    cpu: float  # s of processor time, median
+    cpu: float  # s of this process's processor time, in Python and in the kernel; median
 
 
 class BusFigures(NamedTuple):
@@ -46,6 +46,8 @@ class BusFigures(NamedTuple):
     silent_extra: float  # s that a tick takes longer in which a silent servo is waited for, median
     fastest_hz: float  # exchanges per second, one straight after the other
     reference: tuple[str, Pace] | None  # the vendor's SDK, if one knows all servos
+    first: bool  # whether this ran before ordinary processes, as the loop does where it has the right to
+    awake: bool  # whether the processors were kept awake meanwhile
 
 
 def measure_bus(
@@ -67,9 +69,9 @@ def measure_bus(
     wire = max(
         bus_plan.cycle(protocol_of(wired[0].model), wired, fast=True).whole.seconds(blueprint.bauds[bus])
         for bus, wired in blueprint.wiring.items())
-    raise_priority()
+    first = raise_priority()
     sharpen_timers()
-    with _fakes(blueprint) as urls:
+    with processors_awake() as awake, _fakes(blueprint) as urls:
         vendor, reference = vendor_of([servo for wired in blueprint.wiring.values() for servo in wired]), None
         ours, silent, fastest = _measure_ours(blueprint, urls, rate_hz, seconds, progress)
         if vendor is not None:
@@ -81,7 +83,8 @@ def measure_bus(
                 lines.close()
             reference = None if pace is None else (vendor, pace)
     return BusFigures(
-        blueprint.bauds, len(blueprint.model.joints), wire, ours, max(silent - ours.p50, 0.0), fastest, reference)
+        blueprint.bauds, len(blueprint.model.joints), wire, ours, max(silent - ours.p50, 0.0), fastest, reference,
+        first, awake)
 
 
 def _at_baud(blueprint: Blueprint, baud: int) -> Blueprint:
@@ -165,20 +168,22 @@ def _paced(exchange: Callable[[], bool], rate_hz: int, seconds: float) -> Pace |
     """Exchange at a rate; return how long those took in which all answered, None if there was none."""
     clock, took, cpu = WallClock(), list[int](), list[int]()
     gc.collect()
+    gc.freeze()
     gc.disable()
     try:
         grid = Grid(rate_hz, clock.now())
         for _ in range(max(round(seconds * rate_hz), 1)):
             clock.wait((), grid.deadline)
-            busy, began = time.thread_time_ns(), clock.now()
+            busy, began = time.process_time_ns(), clock.now()
             good = exchange()
             now = clock.now()
             if good:
                 took.append(now - began)
-                cpu.append(time.thread_time_ns() - busy)
+                cpu.append(time.process_time_ns() - busy)
             grid.advance(now)
     finally:
         gc.enable()
+        gc.unfreeze()
     if not took:
         return None
     took.sort()

@@ -175,7 +175,8 @@ def test_bench_bus_measures_bytes_on_a_wire_beside_the_vendors_sdk(robotwalk: Ru
     found = robotwalk("bench", "bus", "quadruped", "--rate", "50", "--seconds", "0.5", "--json").json
     assert set(found) == {
         "schema", "robot", "baud", "servos", "buses", "rate_hz", "exchange_ms", "wire_ms", "ratio", "cpu_us",
-        "silent_servo_extra_ms", "back_to_back_hz", "reference"}
+        "real_time", "silent_servo_extra_ms", "back_to_back_hz", "reference"}
+    assert set(found["real_time"]) == {"fifo", "awake"}
     assert (found["baud"], found["servos"], found["buses"]) == (1_000_000, 12, 1)
     assert found["exchange_ms"]["p50"] >= found["wire_ms"] > 1.0, "no exchange is quicker than its bytes"
     assert found["exchange_ms"]["p50"] / found["wire_ms"] == pytest.approx(found["ratio"], abs=0.01)

@@ -19,6 +19,7 @@ import serial
 
 from robotwalk import assembly
 from robotwalk.errors import BusError, UsageError
+from robotwalk.realtime import sharpen_timers
 from sim_backend import real_time
 from sim_backend.device_link import DeviceLink
 from sim_backend.pseudo_terminal import PseudoTerminal
@@ -270,7 +271,7 @@ def test_time_never_goes_back(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_sharp_timers_end_a_sleep_on_time() -> None:
-    real_time.sharpen_timers()
+    sharpen_timers()
     late = []
     for _ in range(100):
         began = time.monotonic_ns()
