@@ -23,7 +23,7 @@ __version__ = "0.1.0"
 
 def open(
     robot: str, *, real: bool = False, ports: Mapping[str, str] | None = None, rate_hz: int = 100, seed: int = 0,
-    faults: "Script" = (),
+    faults: "Script" = (), terrain: str = "flat",
 ) -> "Robot":
     """Open a robot, by default in simulation. Use it in a `with` block.
 
@@ -35,9 +35,10 @@ def open(
         seed: of the simulation; equal seeds give equal runs.
         faults: what goes wrong in the simulation: the path of a script, or a list such as
             `[{"at": 0, "fault": "drop_reply", "rate": 0.05}]`; `robotwalk list faults` explains them.
+        terrain: the ground of the simulation: a name from `robotwalk list terrains`, or the path of a YAML file.
 
     Raises:
-        UsageError: no such robot or bus, a physical port without `real`, or faults without a simulation.
+        UsageError: no such robot or bus, a physical port without `real`, or faults or a terrain without a simulation.
         ConfigError: a file is wrong; says where.
         BusError: a port does not open.
     """
@@ -45,6 +46,8 @@ def open(
 
     if (real or ports) and faults:
         raise UsageError("faults befall a simulation; there is none behind a port")
+    if (real or ports) and terrain != "flat":
+        raise UsageError("a terrain is that of a simulation; there is none behind a port")
     if real or ports:
         return assembly.connect(robot, ports or {}, real=real, rate_hz=rate_hz).robot
-    return assembly.simulate(robot, rate_hz=rate_hz, seed=seed, faults=faults).robot
+    return assembly.simulate(robot, rate_hz=rate_hz, seed=seed, faults=faults, terrain=terrain).robot

@@ -14,25 +14,25 @@ class Summary(NamedTuple):
     distance: float  # along the direction of travel, which turns with the body
     displacement: Pose  # end minus start, in the frame of the start; yaw accumulated
     max_tilt: float
-    min_height: float
+    min_height: float  # of the base above the ground under it
     fell: bool
 
 
 class Journey:
     """Adds up a body's poses, one a tick."""
 
-    def __init__(self, start: Pose, direction: float, nominal_height: float) -> None:
-        """Begin at `start`; `direction` of travel is relative to the body, rad, 0 ahead."""
+    def __init__(self, start: Pose, ground: float = 0.0, *, direction: float, nominal_height: float) -> None:
+        """Begin at `start`, above ground so high; `direction` of travel is relative to the body, rad, 0 ahead."""
         self._start = self._last = start
         self._direction = direction
         self._nominal = nominal_height
         self._yaw = 0.0
         self._distance = 0.0
         self._max_tilt = 0.0
-        self._min_height = start.z
+        self._min_height = start.z - ground
 
-    def add(self, pose: Pose) -> None:
-        """Take the next pose."""
+    def add(self, pose: Pose, ground: float = 0.0) -> None:
+        """Take the next pose, and the height of the ground under the body."""
         turn = math.remainder(pose.yaw - self._last.yaw, math.tau)
         course = self._last.yaw + 0.5 * turn + self._direction
         self._distance += (pose.x - self._last.x) * math.cos(course) + (pose.y - self._last.y) * math.sin(course)
@@ -40,7 +40,7 @@ class Journey:
         # The angle between the body's z axis and the vertical.
         tilt = math.acos(min(math.cos(pose.roll) * math.cos(pose.pitch), 1.0))
         self._max_tilt = max(self._max_tilt, tilt)
-        self._min_height = min(self._min_height, pose.z)
+        self._min_height = min(self._min_height, pose.z - ground)
         self._last = pose
 
     def summary(self) -> Summary:

@@ -30,14 +30,18 @@ class FakeRobot:
         robot: what a program has in its hands: stand, walk, sit, state. Leaving the `with` block seats it.
     """
 
-    def __init__(self, robot: str | Path, *, rate_hz: int = 100, seed: int = 0, faults: assembly.Script = ()) -> None:
+    def __init__(
+        self, robot: str | Path, *, rate_hz: int = 100, seed: int = 0, faults: assembly.Script = (),
+        terrain: str | Path = "flat",
+    ) -> None:
         """Seat a robot of that file, or bundled name, torque off; equal seeds give equal runs, faults included.
 
         Raises:
-            UsageError: no such robot, or an impossible rate.
+            UsageError: no such robot or terrain, or an impossible rate.
             ConfigError: a file is wrong; says where.
         """
-        self._simulation = assembly.simulate(str(robot), rate_hz=rate_hz, seed=seed, faults=faults)
+        self._simulation = assembly.simulate(
+            str(robot), rate_hz=rate_hz, seed=seed, faults=faults, terrain=str(terrain))
         self._seed = seed
         self._befallen = 0
         self.robot: Robot = self._simulation.robot
@@ -124,7 +128,7 @@ class FakeRobot:
 
     @property
     def min_height_m(self) -> float:
-        """The lowest that the base was while it walked, m."""
+        """The lowest that the base was above the ground under it while it walked, m."""
         return self._walked.min_height
 
     @property
@@ -134,12 +138,21 @@ class FakeRobot:
 
     @property
     def _walked(self) -> Summary:
-        journey = self._journey or Journey(self.base, 0.0, self.robot.model.heights.stand)
+        journey = self._journey or self._begin()
         return journey.summary()
+
+    @property
+    def _place(self) -> tuple[Pose, float]:
+        """Where the body is, and how high the ground is under it."""
+        truth = self._simulation.world.truth()
+        return truth.base, truth.ground
+
+    def _begin(self) -> Journey:
+        return Journey(*self._place, direction=0.0, nominal_height=self.robot.model.heights.stand)
 
     def _watch(self, tick: Tick) -> None:
         if self._journey is not None:
             if tick.state in (State.WALK, State.STAND):
-                self._journey.add(self.base)
+                self._journey.add(*self._place)
         elif tick.state is State.WALK:
-            self._journey = Journey(self.base, 0.0, self.robot.model.heights.stand)
+            self._journey = self._begin()

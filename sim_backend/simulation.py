@@ -10,6 +10,7 @@ from sim_backend.brands import make_device, make_servo
 from sim_backend.fake_servo import FakeServo
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.simulated_clock import SimulatedClock
+from sim_backend.terrain.course import FLAT, Ground
 from sim_backend.wire import SimulatedPort
 from sim_backend.world import Mounting, Truth, World
 
@@ -35,7 +36,7 @@ class SimulatedRobot:
     def __init__(
         self, model: RobotModel, servos: Sequence[SimulatedServo], bauds: Mapping[str, int], seated: Sequence[float],
         *, rate_hz: int, seed: int = 0, adapter: AdapterName = "none", supply_v: float | None = None,
-        internal_resistance: float = 0.0,
+        internal_resistance: float = 0.0, ground: Ground = FLAT,
     ) -> None:
         """Build the robot; `servos` and `seated` (rad) are in joint order; one supply (V, ohm) feeds them all.
 
@@ -48,7 +49,8 @@ class SimulatedRobot:
         self.physics = ServoPhysics(
             [servo.model for servo in servos], supply_v=supply_v, internal_resistance=internal_resistance)
         self.world = World(
-            model, self.physics, [servo.mounting for servo in servos], seated, rate_hz=rate_hz, seed=seed)
+            model, self.physics, [servo.mounting for servo in servos], seated, rate_hz=rate_hz, seed=seed,
+            ground=ground)
         # Servos find their shafts where the world has put them.
         self.servos = [
             make_servo(

@@ -16,13 +16,14 @@ import numpy.typing as npt
 from robotwalk.model import Leg, RobotModel
 from robotwalk.types import Pose, Vec3
 from sim_backend.servo_physics import ServoPhysics
+from sim_backend.terrain.build import add_floor, add_ground
+from sim_backend.terrain.course import FLAT, Ground
 
 LONGEST_STEP = 0.0025  # s; results agree within 1.5 % from 0.5 to 10 ms
 
 _LEG_RGBA = (0.25, 0.28, 0.33, 1.0)
 _BODY_RGBA = (0.93, 0.52, 0.18, 1.0)
 _FOOT_RGBA = (0.10, 0.10, 0.11, 1.0)
-_GROUND_RGBA = (0.80, 0.82, 0.84, 1.0)
 _STOP_MARGIN = math.radians(5.0)  # the mechanical stops lie this far behind the joints' limits
 _SEATING_SPREAD = math.radians(0.1)  # no two robots sit exactly alike
 _TORSIONAL_FRICTION = 0.005  # m; MuJoCo's default, the size of the contact patch
@@ -45,6 +46,7 @@ class Truth(NamedTuple):
     joints: tuple[float, ...]  # rad
     contacts: tuple[bool, ...]  # by leg
     energy: float  # J, electrical, drawn by all servos so far
+    ground: float  # m, height of the ground under the body, on average
 
 
 def steps_per_tick(rate_hz: int) -> int:
@@ -53,11 +55,11 @@ def steps_per_tick(rate_hz: int) -> int:
 
 
 class World:
-    """A robot on flat ground, on its belly, its servos off."""
+    """A robot on its belly, its servos off, on a ground that is level there."""
 
     def __init__(
         self, model: RobotModel, servos: ServoPhysics, mountings: Sequence[Mounting], seated: Sequence[float], *,
-        rate_hz: int, friction: float = 1.0, seed: int = 0,
+        rate_hz: int, friction: float = 1.0, seed: int = 0, ground: Ground = FLAT,
     ) -> None:
         """Build the world around a robot whose joints sit at `seated` (rad), give or take a tenth of a degree."""
         self.steps_per_second = rate_hz * steps_per_tick(rate_hz)
@@ -65,25 +67,27 @@ class World:
         self._servos = servos
         self._direction = np.array([float(m.direction) for m in mountings])
         self._zero = np.array([m.zero for m in mountings])
-        spec = _spec(model, friction)
+        spec = _spec(model, friction, ground)
         spec.option.timestep = 1.0 / self.steps_per_second
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
         dofs = [self.model.joint(name).dofadr[0] for name in model.joint_names]
         assert dofs == list(range(6, 6 + len(dofs))), "MuJoCo's joint order is not the robot's"
-        self.model.dof_armature[6:] = servos.armature
-        self.model.dof_frictionloss[6:] = servos.coulomb
-        self.model.dof_damping[6:] = servos.viscous
+        # Behind the robot's own joints come those of bodies that lie around.
+        self._angles, self._speeds = slice(7, 7 + len(dofs)), slice(6, 6 + len(dofs))
+        self.model.dof_armature[self._speeds] = servos.armature
+        self.model.dof_frictionloss[self._speeds] = servos.coulomb
+        self.model.dof_damping[self._speeds] = servos.viscous
         # With MuJoCo's default softness dry friction creeps, and a limp leg sinks onto its stop within seconds.
-        self.model.dof_solimp[6:, :2] = 0.999, 0.9999
-        self.model.dof_solref[6:, 0] = 2.0 * spec.option.timestep
+        self.model.dof_solimp[self._speeds, :2] = 0.999, 0.9999
+        self.model.dof_solref[self._speeds, 0] = 2.0 * spec.option.timestep
         self._feet = [self.model.geom(f"{leg.name}_foot").id for leg in model.legs]
-        self._ground = self.model.geom("ground").id
+        self._ground, self._body_box = ground, model.body_box
         self._base = self.model.body("base").id
         self._yaw = 0.0
         self._steps = 0
         self.data.qpos[2] = 0.5 * model.body_box.z
-        self.data.qpos[7:] = np.random.default_rng(seed).normal(seated, _SEATING_SPREAD)
+        self.data.qpos[self._angles] = np.random.default_rng(seed).normal(seated, _SEATING_SPREAD)
         mujoco.mj_forward(self.model, self.data)
         self._drive(0)
 
@@ -95,9 +99,9 @@ class World:
         self._drive(now)
 
     def _drive(self, now: int) -> None:
-        shaft = (self.data.qpos[7:] - self._zero) * self._direction
-        speed = self.data.qvel[6:] * self._direction
-        self.data.qfrc_applied[6:] = self._servos.step(shaft, speed, now) * self._direction
+        shaft = (self.data.qpos[self._angles] - self._zero) * self._direction
+        speed = self.data.qvel[self._speeds] * self._direction
+        self.data.qfrc_applied[self._speeds] = self._servos.step(shaft, speed, now) * self._direction
 
     def push(self, force: Vec3) -> None:
         """Have another force act on the middle of the body from now on: N, in the world's frame."""
@@ -118,15 +122,32 @@ class World:
         """Return what is the case now."""
         qpos = self.data.qpos
         roll, pitch = _roll_pitch(qpos[3:7])
-        touching = {int(geom) for pair in self.data.contact.geom if self._ground in pair for geom in pair}
+        # Feet meet nothing but the ground and what lies on it.
+        touching = {int(geom) for pair in self.data.contact.geom for geom in pair}
         return Truth(
             time=float(self.data.time),
             base=Pose(float(qpos[0]), float(qpos[1]), float(qpos[2]), roll, pitch, self._yaw),
             attitude=tuple(qpos[3:7].tolist()),
-            joints=tuple(qpos[7:].tolist()),
+            joints=tuple(qpos[self._angles].tolist()),
             contacts=tuple(foot in touching for foot in self._feet),
             energy=float(self._servos.energy.sum()),
+            ground=self._ground_below(),
         )
+
+    def _ground_below(self) -> float:
+        """Return how high the ground is under the body's middle, edges and corners, on average.
+
+        A single point would take a block, or the ditch between two, for all of the ground.
+        """
+        if not self._ground.shapes:
+            return self._ground.floor
+        x, y = self.data.qpos[:2].tolist()
+        ahead, aside = 0.5 * self._body_box.x, 0.5 * self._body_box.y
+        c, s = math.cos(self._yaw), math.sin(self._yaw)
+        heights = [
+            self._ground.height(x + c * dx - s * dy, y + s * dx + c * dy)
+            for dx in (-ahead, 0.0, ahead) for dy in (-aside, 0.0, aside)]
+        return math.fsum(heights) / len(heights)
 
 
 def bare_speed(world: World, seconds: float) -> float:
@@ -152,7 +173,7 @@ def _roll_pitch(quat_wxyz: npt.NDArray[np.float64]) -> tuple[float, float]:
     return roll, math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
 
 
-def _spec(model: RobotModel, friction: float) -> mujoco.MjSpec:
+def _spec(model: RobotModel, friction: float, ground: Ground) -> mujoco.MjSpec:
     spec = mujoco.MjSpec()
     spec.modelname = model.name
     spec.compiler.degree = False
@@ -161,9 +182,7 @@ def _spec(model: RobotModel, friction: float) -> mujoco.MjSpec:
     spec.option.impratio = 10.0
     sliding = [friction, _TORSIONAL_FRICTION, _ROLLING_FRICTION]
     # The robot's geoms meet the ground (1 & 1) but not each other (their contype is 0).
-    spec.worldbody.add_geom(
-        name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 0.05], rgba=_GROUND_RGBA,
-        contype=1, conaffinity=0, friction=sliding)
+    add_floor(spec, ground, sliding)
     spec.worldbody.add_light(pos=[0.5, -0.5, 2.0], dir=[-0.25, 0.25, -1.0], castshadow=True)
     body = spec.worldbody.add_body(name="base")
     body.add_freejoint(name="base")
@@ -173,6 +192,7 @@ def _spec(model: RobotModel, friction: float) -> mujoco.MjSpec:
         mass=model.body_mass, rgba=_BODY_RGBA, contype=0, conaffinity=1, friction=sliding)
     for leg in model.legs:
         _add_leg(body, leg, model, sliding)
+    add_ground(spec, ground, sliding)
     return spec
 
 

@@ -12,11 +12,13 @@ from robotwalk.assembly.session import RATE_HZ as RATE_HZ
 from robotwalk.assembly.session import Session as Session
 from robotwalk.assembly.session import check_rate as check_rate
 from robotwalk.assembly.session import connect as connect
+from robotwalk.assembly.simulated import FLAT as FLAT
 from robotwalk.assembly.simulated import Simulation as Simulation
 from robotwalk.assembly.simulated import bare_physics as bare_physics
 from robotwalk.assembly.simulated import befall as befall
 from robotwalk.assembly.simulated import check_film as check_film
 from robotwalk.assembly.simulated import film as film
+from robotwalk.assembly.simulated import load_terrain as load_terrain
 from robotwalk.assembly.simulated import serve as serve
 from robotwalk.assembly.simulated import simulate as simulate
 from robotwalk.assembly.simulated import simulated_robot as simulated_robot

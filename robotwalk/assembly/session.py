@@ -97,15 +97,22 @@ def check_rate(rate_hz: int) -> None:
         raise UsageError(f"the rate should be 10 to 1000 Hz, not {rate_hz}")
 
 
-def open_log(log: Path | None, blueprint: Blueprint, rate_hz: int, about: dict[str, str]) -> Recorder | None:
-    """Return what records a run to the file `log`, if one is wanted; `about` goes into its head."""
+def open_log(
+    log: Path | None, blueprint: Blueprint, rate_hz: int, about: dict[str, str],
+    more: Mapping[str, str] | None = None,
+) -> Recorder | None:
+    """Return what records a run to the file `log`, if one is wanted.
+
+    `about` goes into its head; `more` are texts to be kept in it, by their names, beside the robot's files.
+    """
     if log is None:
         return None
     head = {
         "robot": blueprint.model.name, "robotwalk": robotwalk.__version__, "python": platform.python_version(),
         "rate_hz": str(rate_hz), **about}
     return Recorder(
-        log, blueprint.model.joint_names, head, buses=tuple(blueprint.hardware.buses), files=blueprint.files.texts())
+        log, blueprint.model.joint_names, head, buses=tuple(blueprint.hardware.buses),
+        files={**blueprint.files.texts(), **(more or {})})
 
 
 def bus_of(blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort]) -> SerialServoBus:

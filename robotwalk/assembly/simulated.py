@@ -8,15 +8,30 @@ from typing import TYPE_CHECKING
 
 from robotwalk.assembly.blueprint import Blueprint, load
 from robotwalk.assembly.session import RATE_HZ, Session, check_rate, open_log, robot_of
+from robotwalk.config import library
 from robotwalk.errors import UsageError
 from robotwalk.kinematics import resting_angles
 from sim_backend.adapter import AdapterName
 from sim_backend.faults.script import Script, read_script, stage
+from sim_backend.terrain.course import Terrain, read_terrain
 
 if TYPE_CHECKING:
     from sim_backend.film import Film
     from sim_backend.simulation import SimulatedRobot
     from sim_backend.viewer import Viewer
+
+
+FLAT = "flat"  # the name of its file
+
+
+def load_terrain(terrain: str) -> Terrain:
+    """Read a bundled terrain by its name, or any by the path of its file.
+
+    Raises:
+        UsageError: nothing of that name is bundled.
+        ConfigError: the file is wrong.
+    """
+    return read_terrain(library.open_document("terrains", terrain))
 
 
 @dataclass(frozen=True)
@@ -28,27 +43,33 @@ class Simulation(Session):
 
 def simulate(
     robot: str | Blueprint, *, rate_hz: int = RATE_HZ, seed: int = 0, log: Path | None = None, faults: Script = (),
+    terrain: str = FLAT,
 ) -> Simulation:
     """Put a robot into a simulated world, in lock-step: seated, torque off. `faults` will befall it.
 
     Raises:
-        UsageError: no such robot, an impossible rate, or a log that cannot be written.
+        UsageError: no such robot or terrain, an impossible rate, or a log that cannot be written.
         ConfigError: a file is wrong.
     """
     blueprint = load(robot) if isinstance(robot, str) else robot
     check_rate(rate_hz)
     if seed < 0:
         raise UsageError(f"a seed is a whole number from 0 on, not {seed}")
-    world = simulated_robot(blueprint, rate_hz, seed, faults=faults)
-    recorder = open_log(log, blueprint, rate_hz, {"seed": str(seed)})
+    ground = load_terrain(terrain)
+    world = simulated_robot(blueprint, rate_hz, seed, faults=faults, terrain=ground)
+    about = {"seed": str(seed), "terrain": ground.config.name}
+    recorder = open_log(log, blueprint, rate_hz, about, {"terrain.yaml": ground.document.text})
     walker, bus = robot_of(blueprint, world.clock, world.ports, rate_hz, recorder)
     return Simulation(blueprint, walker, bus, world.clock, world)
 
 
 def simulated_robot(
-    blueprint: Blueprint, rate_hz: int, seed: int, adapter: AdapterName = "none", faults: Script = ()
+    blueprint: Blueprint, rate_hz: int, seed: int, adapter: AdapterName = "none", faults: Script = (),
+    terrain: Terrain | None = None,
 ) -> "SimulatedRobot":
     """Build a simulated robot, seated, torque off, with nothing that controls it. `faults` will befall it.
+
+    It is on flat ground if `terrain` is None.
 
     Raises:
         ConfigError: the faults are wrong; says where.
@@ -66,7 +87,8 @@ def simulated_robot(
     world = SimulatedRobot(
         blueprint.model, servos, blueprint.bauds, seated, rate_hz=rate_hz, seed=seed, adapter=adapter,
         supply_v=blueprint.hardware.power.supply_v,
-        internal_resistance=blueprint.hardware.power.internal_resistance_ohm)
+        internal_resistance=blueprint.hardware.power.internal_resistance_ohm,
+        ground=(terrain or load_terrain(FLAT)).lay_out(0.5 * blueprint.model.body_box.x, seed))
     stage(world, script, seed)
     return world
 
@@ -74,7 +96,7 @@ def simulated_robot(
 def serve(
     robot: str, *, pty: Path | None, tcp: str | None, adapter: AdapterName, seed: int, faults: Script,
     truth: Path | None, seconds: float | None, ready: Callable[[dict[str, str]], None], check: Callable[[], None],
-    warn: Callable[[str], None],
+    warn: Callable[[str], None], terrain: str = FLAT,
 ) -> None:
     """Serve a simulated robot in real time, as terminals in the folder `pty` or else at the address `tcp`.
 
@@ -82,7 +104,7 @@ def serve(
     this computer is too slow.
 
     Raises:
-        UsageError: no such robot, or a place or a file that cannot be used.
+        UsageError: no such robot or terrain, or a place or a file that cannot be used.
         ConfigError: a file is wrong.
         BusError: another server is there.
     """
@@ -90,10 +112,10 @@ def serve(
     from sim_backend.server import serve
     from sim_backend.socket_endpoint import open_sockets, parse_address
 
-    blueprint = load(robot)
+    blueprint, ground = load(robot), load_terrain(terrain)
     bauds = blueprint.bauds
     doors = open_ptys(pty, bauds) if pty is not None else open_sockets(parse_address(tcp or ""), bauds)
-    world = simulated_robot(blueprint, RATE_HZ, seed, adapter, faults)
+    world = simulated_robot(blueprint, RATE_HZ, seed, adapter, faults, ground)
     serve(world, blueprint.model, doors, truth=truth, seconds=seconds, ready=ready, check=check, warn=warn)
 
 

@@ -10,7 +10,7 @@ from robotwalk.cli.output import say, write_json, write_table
 from robotwalk.config import library
 from robotwalk.config.schema import GaitConfig, RobotConfig
 
-app = App(name="list", help="List the bundled robots, servos or gaits, or the faults of a simulation.")
+app = App(name="list", help="List the bundled robots, servos, gaits or terrains, or the faults of a simulation.")
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="one JSON object on stdout")]
 
@@ -48,6 +48,19 @@ def gaits(*, json: Json = False) -> None:
         fits = [robot for robot, legs in feet.items() if legs == set(gait.swing)]
         rows.append({"name": gait.name, "description": gait.description, "robots": fits})
     _show("gaits", rows, json)
+
+
+@app.command
+def terrains(*, json: Json = False) -> None:
+    """List the terrains that --terrain takes."""
+    rows = []
+    for name in library.names("terrains"):
+        terrain = assembly.load_terrain(name)
+        kinds = dict.fromkeys(element.kind() for element in terrain.elements)
+        rows.append({
+            "name": name, "description": terrain.config.description, "elements": list(kinds),
+            "length_m": round(terrain.length, 6)})
+    _show("terrains", rows, json)
 
 
 @app.command

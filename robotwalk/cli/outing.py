@@ -66,7 +66,7 @@ class Outing:
         wanted = twist_of(plan.speed, plan.direction, plan.turn)
         self._twist, self._scale = feasible(wanted, self._robot.model.motion, self._gait)
         self._measuring = False
-        self._truth = self._odometry = Journey(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
+        self._truth = self._odometry = Journey(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), direction=0.0, nominal_height=0.0)
         self._energy = 0.0
         self._ticks = self._walking_ticks = 0
         self._wall = 0.0
@@ -158,16 +158,21 @@ class Outing:
     def _begin(self) -> None:
         self._measuring = True
         nominal = self._plan.height or self._robot.model.heights.stand
-        self._truth = Journey(self._pose(), self._plan.direction, nominal)
-        self._odometry = Journey(self._robot.state.odometry, self._plan.direction, nominal)
+        self._truth = Journey(*self._place(), direction=self._plan.direction, nominal_height=nominal)
+        self._odometry = Journey(
+            self._robot.state.odometry, direction=self._plan.direction, nominal_height=nominal)
         self._energy = -self._energy_so_far()
 
     def _end(self) -> None:
         self._measuring = False
         self._energy += self._energy_so_far()
 
-    def _pose(self) -> Pose:
-        return self._world.truth().base if self._world is not None else self._robot.state.odometry
+    def _place(self) -> tuple[Pose, float]:
+        """Return where the body is, and how high the ground is under it."""
+        if self._world is None:
+            return self._robot.state.odometry, 0.0
+        truth = self._world.truth()
+        return truth.base, truth.ground
 
     def _energy_so_far(self) -> float:
         return self._world.truth().energy if self._world is not None else 0.0
@@ -178,7 +183,7 @@ class Outing:
         rate = self._robot.loop.rate_hz
         if self._measuring:
             self._walking_ticks += tick.state is State.WALK
-            self._truth.add(self._pose())
+            self._truth.add(*self._place())
             self._odometry.add(tick.estimate.pose)
         if self._ticks % max(rate // 10, 1) == 0:
             elapsed = self._ticks / rate

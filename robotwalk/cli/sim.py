@@ -20,6 +20,7 @@ def sim(
     adapter: assembly.AdapterName = "none",
     truth: Path | None = None,
     duration: float | None = None,
+    terrain: str = assembly.FLAT,
     seed: int = 0,
     faults: Path | None = None,
 ) -> None:
@@ -41,6 +42,8 @@ def sim(
         Write what really happens to this file, as JSON lines at 50 Hz.
     duration
         Seconds; default: until told to end.
+    terrain
+        The ground: a name from `robotwalk list terrains`, or the path of a YAML file.
     seed
         Of the simulation.
     faults
@@ -57,7 +60,7 @@ def sim(
     try:
         assembly.serve(
             robot, pty=pty, tcp=tcp, adapter=adapter, seed=seed, faults=faults or (), truth=truth, seconds=duration,
-            ready=_announce, check=interrupts.check, warn=complain)
+            ready=_announce, check=interrupts.check, warn=complain, terrain=terrain)
     finally:
         interrupts.restore()
 

@@ -30,6 +30,7 @@ def walk(
     duration: float = 10.0,
     rate: int = assembly.RATE_HZ,
     seed: int = 0,
+    terrain: str | None = None,
     faults: Path | None = None,
     port: list[str] | None = None,
     real: Annotated[bool, Flag] = False,
@@ -63,6 +64,8 @@ def walk(
         Ticks per second.
     seed
         Of the simulation. Equal seeds give equal runs.
+    terrain
+        The ground of the simulation: a name from `robotwalk list terrains`, or the path of a YAML file. Default: flat.
     faults
         What goes wrong in the simulation, and when: a YAML file (see `robotwalk list faults`).
     port
@@ -91,6 +94,8 @@ def walk(
         raise UsageError("--gif and --view show a simulation; there is none behind a port")
     if on_bus and faults is not None:
         raise UsageError("--faults befall a simulation; there is none behind a port")
+    if on_bus and terrain is not None:
+        raise UsageError("--terrain is that of a simulation; there is none behind a port")
     if gif is not None:
         assembly.check_film(gif)
     blueprint = assembly.load(robot, calibrated=on_bus)
@@ -103,7 +108,8 @@ def walk(
     if on_bus:
         session = assembly.connect(blueprint, ports, real=real, rate_hz=rate, log=log, torque=_HANGING if hang else 1.0)
     else:
-        session = assembly.simulate(blueprint, rate_hz=rate, seed=seed, log=log, faults=faults or ())
+        session = assembly.simulate(
+            blueprint, rate_hz=rate, seed=seed, log=log, faults=faults or (), terrain=terrain or assembly.FLAT)
     outing = Outing(session, plan, film=gif is not None, view=view)
     code = _go(outing)
     code = _tell(outing.report(), json, code)

@@ -17,7 +17,7 @@ def pose(
 
 
 def travelled(*poses: Pose, direction: float = 0.0) -> Summary:
-    journey = Journey(poses[0], direction, 0.1)
+    journey = Journey(poses[0], direction=direction, nominal_height=0.1)
     for each in poses[1:]:
         journey.add(each)
     return journey.summary()

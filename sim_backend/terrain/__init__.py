@@ -1,0 +1,1 @@
+"""The ground: courses of elements from `configs/terrains`, laid out, and built into MuJoCo's model."""
