@@ -16,6 +16,11 @@ class DynamixelFirmware(Row):
     derivative_gain: bool  # whether the position D gain acts
     goal_follows_present: bool  # whether torque-on sets the goal to where the shaft is
     later_ids_answer: bool  # whether a sync read goes on behind a silent servo
+    answers_at_new_setting: bool  # whether the answer to a new id or baud rate bears it already
+    turnaround_us: Annotated[float, Field(ge=0)]  # before an answer, on top of the return delay
+    watchdog_holds: bool  # whether a servo stopped by the bus watchdog holds its place; otherwise it lets go
+    shock_at_power_up: bool  # whether coming to power again sets the electrical shock error
+    following_error_ticks: Annotated[int, Field(gt=0)]  # off the trajectory by more is a following error
     reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after a reboot
     overload_duty: Annotated[float, Field(gt=0, le=1)]
     overload_s: Annotated[float, Field(gt=0)]
@@ -30,6 +35,9 @@ class AxFirmware(Row):
     kind: Literal["dynamixel-ax"]
     version: Annotated[int, Field(ge=0, le=255)]
     goal_follows_present: bool  # whether the goal is where the shaft is as long as torque is off
+    reboot: bool  # whether instruction 0x08 restarts the servo; otherwise it is not known
+    answers_at_new_setting: bool  # whether the answer to a new id or baud rate bears it already
+    turnaround_us: Annotated[float, Field(ge=0)]  # before an answer, on top of the return delay
     dead_zone_reads: Literal["nearest", "zero"]  # the position where the encoder has none: the nearest end, or 0
     reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after power-up or a factory reset
     overload_duty: Annotated[float, Field(gt=0, le=1)]  # as a share of the torque limit
@@ -46,6 +54,9 @@ class FeetechFirmware(Row):
     derivative_s: Annotated[float, Field(ge=0)]  # a D gain acts as P does on the change within this time
     derivative_gain: bool  # whether the position D gain acts
     later_ids_answer: bool  # whether a sync read goes on behind a silent servo
+    answers_at_new_setting: bool  # whether the answer to a new id or baud rate bears it already
+    turnaround_us: Annotated[float, Field(ge=0)]  # before an answer, on top of the return delay
+    eeprom_write_ms: Annotated[float, Field(ge=0)]  # before the answer to a write of the EEPROM that is not locked
     broadcast_ping: bool  # whether a ping to everybody is answered
     reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after power-up
     torque_at_power_up: bool
@@ -62,6 +73,7 @@ class StsFirmware(FeetechFirmware):
     kind: Literal["feetech-sts"]
     velocity_divisor: Annotated[float, Field(gt=0)]  # velocity P gain / this = duty per step/s
     damping: bool  # whether torque enable 2 brakes the motor; otherwise it is as 0
+    centre_outlives_lock: bool  # whether the offset that torque enable 128 chooses is kept though `lock` is 1
     calibrate: bool  # whether instruction 0x0B makes here the centre, as torque enable 128 does; otherwise unknown
 
 

@@ -233,7 +233,8 @@ class OlderFirmware(Row):
     """What the control table was before some version of the firmware."""
 
     below: Annotated[int, Field(ge=0, le=255)]
-    registers: tuple[Register, ...]  # in place of those of their names, or more
+    registers: tuple[Register, ...] = ()  # in place of those of their names, or more
+    absent: tuple[str, ...] = ()  # registers that were not there yet
 
 
 class ServoModel(Row):
@@ -280,15 +281,21 @@ class ServoModel(Row):
 
     def at_firmware(self, version: int) -> "ServoModel":
         """Return the model with the registers that it has at a version of its firmware."""
-        before = [older for older in self.older_firmware if version < older.below]
-        if not before:
+        if all(version >= older.below for older in self.older_firmware):
             return self
-        rows = self._registers_before(min(before, key=lambda older: older.below))
+        rows = self._registers_at(version)
         fields = {field.alias or name: getattr(self, name) for name, field in type(self).model_fields.items()}
-        return ServoModel.model_validate({**fields, "registers": rows, "older_firmware": ()})
+        settings = {name: value for name, value in self.arming.set.items() if name in {row.name for row in rows}}
+        arming = self.arming.model_copy(update={"set": settings})
+        return ServoModel.model_validate({**fields, "arming": arming, "registers": rows, "older_firmware": ()})
 
-    def _registers_before(self, older: OlderFirmware) -> tuple[Register, ...]:
-        rows = self.by_name | {register.name: register for register in older.registers}
+    def _registers_at(self, version: int) -> tuple[Register, ...]:
+        rows = dict(self.by_name)
+        for older in sorted(self.older_firmware, key=lambda older: -older.below):
+            if version < older.below:
+                rows |= {register.name: register for register in older.registers}
+                for name in older.absent:
+                    rows.pop(name, None)
         return _by_address(tuple(rows.values()))
 
     @property
@@ -332,7 +339,7 @@ class ServoModel(Row):
         for before, after in _overlaps(self.registers):
             yield f"registers {before.name} and {after.name} overlap at address {after.address}"
         for older in self.older_firmware:
-            for before, after in _overlaps(self._registers_before(older)):
+            for before, after in _overlaps(self._registers_at(older.below - 1)):
                 yield (
                     f"below firmware {older.below}, registers {before.name} and {after.name} overlap at "
                     f"address {after.address}")

@@ -31,6 +31,7 @@ class AxServo(FakeServo):
     Attributes:
         status_return_level: what it answers at all.
         conditions: the bits that are in the error byte of every answer.
+        knows_reboot: whether its firmware has that instruction.
     """
 
     table: AxTable
@@ -43,6 +44,7 @@ class AxServo(FakeServo):
         super().__init__(physics, index, AxTable(model))
         self._firmware = model.firmware
         self._set_up({"firmware_version": self._firmware.version, **factory_settings})
+        self.knows_reboot = self._firmware.reboot
         self._full = model.position_loop.pwm_full_scale  # counts of the torque limit
         self._motion = AxMotion(model, self._firmware, self.table)
         self._registered: tuple[int, bytes] | None = None

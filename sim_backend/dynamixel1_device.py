@@ -6,6 +6,7 @@ series' bulk read, which an AX does not know. Source: ROBOTIS e-Manual, Protocol
 
 from collections.abc import Sequence
 from enum import IntEnum
+from functools import partial
 
 from sim_backend.ax_firmware import AxServo
 from sim_backend.ax_table import Refusal, RefusedError
@@ -23,6 +24,7 @@ class Instruction(IntEnum):
     REG_WRITE = 0x04
     ACTION = 0x05
     FACTORY_RESET = 0x06
+    REBOOT = 0x08
     SYNC_WRITE = 0x83
 
 
@@ -48,7 +50,7 @@ class Dynamixel1Device(ServoDevice[AxServo]):
         if not packet.intact:
             return _report_bad_checksum(packet, listening, byte_ns)
         if packet.id != BROADCAST:
-            return collide(_answer(packet, listening, now), byte_ns)
+            return collide(_answer(packet, listening, now, byte_ns), byte_ns)
         if packet.instruction == Instruction.SYNC_WRITE:
             _sync_write(packet.parameters, listening)
         else:
@@ -65,7 +67,7 @@ def _report_bad_checksum(packet: Packet, listening: list[AxServo], byte_ns: int)
         addressed, lambda servo: status(servo.id, Refusal.CHECKSUM | servo.conditions), byte_ns)
 
 
-def _answer(packet: Packet, listening: list[AxServo], now: int) -> list[Reply]:
+def _answer(packet: Packet, listening: list[AxServo], now: int, byte_ns: int) -> list[Reply]:
     """Let the addressed servos obey; return the answer of each."""
     replies: list[Reply] = []
     for servo in listening:
@@ -74,9 +76,9 @@ def _answer(packet: Packet, listening: list[AxServo], now: int) -> list[Reply]:
         # As they were before: a write may change these.
         level, delay = servo.status_return_level, servo.return_delay_ns
         error, data = _execute(servo, packet, now)
-        frame = status(packet.id, error, data)
-        if level >= _ANSWERED_FROM.get(packet.instruction, StatusReturnLevel.ALL) and (
-                reply := servo.utter(Reply(delay, frame))):
+        if level < _ANSWERED_FROM.get(packet.instruction, StatusReturnLevel.ALL):
+            continue
+        if reply := servo.answer(delay, partial(status, error=error, data=data), packet.id, byte_ns):
             replies.append(reply)
     return replies
 
@@ -110,6 +112,8 @@ def _carry_out(servo: AxServo, instruction: int, parameters: bytes, now: int) ->
             servo.action()
         case Instruction.FACTORY_RESET:
             servo.factory_reset(now)
+        case Instruction.REBOOT if servo.knows_reboot:
+            servo.reboot(now)
         case _:
             raise RefusedError(Refusal.INSTRUCTION)
     return b""

@@ -74,6 +74,11 @@ class DynamixelTable(ControlTable):
         if register.memory is Memory.EEPROM:
             self._goal_limits = None
 
+    def restore_defaults(self, memory: Memory) -> None:
+        """Set all registers of one memory as the factory does; those without a default become 0."""
+        super().restore_defaults(memory)
+        self._goal_limits = None
+
     def read(self, address: int, length: int) -> bytes:
         """Return raw bytes.
 

@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping
 
 from hal.register_map import Memory
 from sim_backend.control_table import ControlTable
-from sim_backend.reply import Reply
+from sim_backend.reply import Reply, misheard
 from sim_backend.servo_physics import ServoPhysics
 
 _NS = 1_000_000_000
+_BITS_PER_BYTE = 10  # 8N1
 
 Interference = Callable[[Reply], Reply | None]
 
@@ -22,16 +23,19 @@ class FakeServo(ABC):
         id: what it answers to.
         return_delay_ns: from the end of an instruction to the answer.
         later_ids_answer: whether it answers a sync read behind a silent servo.
+        encoder_fails: whether its position sensor does; may be set. What it measures stays right here.
         interferences: what happens to its answers on their way to the wire, one after the other; None drops one.
     """
 
     def __init__(self, physics: ServoPhysics, index: int, table: ControlTable) -> None:
         self.model = physics.models[index]
         self.later_ids_answer = self.model.firmware.later_ids_answer
+        self.encoder_fails = False
         self.interferences: list[Interference] = []
         self.table = table
         self._physics, self._index = physics, index
         self._delay_unit_ns = round(self.model["return_delay_time"].scale * 1e3)  # from us
+        self._turnaround_ns = round(self.model.firmware.turnaround_us * 1e3)
         self._turned = 0  # ticks, whole turns taken off the position
         self._sensed: list[int] | None = None
         self._wakes_at: float = 0  # ns
@@ -75,6 +79,16 @@ class FakeServo(ABC):
         """Whether bytes at `baud` reach the firmware at `now` ns."""
         return baud == self._baud and self._is_awake(now)
 
+    def answer(self, delay_ns: int, frame: Callable[[int], bytes], servo_id: int, byte_ns: int) -> Reply | None:
+        """Return what goes onto the wire after an instruction to `servo_id` at a baud rate; `frame` is told the id.
+
+        If the instruction has changed the id or the baud rate, it is the model's `answers_at_new_setting` that counts.
+        """
+        if not self.model.firmware.answers_at_new_setting:
+            return self.utter(Reply(delay_ns, frame(servo_id)))
+        reply = self.utter(Reply(delay_ns, frame(self.id)))
+        return reply and misheard(reply, _BITS_PER_BYTE * _NS // self._baud, byte_ns)
+
     def utter(self, reply: Reply) -> Reply | None:
         """Return what of an answer goes onto the wire."""
         said: Reply | None = reply
@@ -113,7 +127,7 @@ class FakeServo(ABC):
     def _configure_line(self) -> None:
         """Take over the settings of the bus."""
         self.id = self.table["id"]
-        self.return_delay_ns = self.table["return_delay_time"] * self._delay_unit_ns
+        self.return_delay_ns = self._turnaround_ns + self.table["return_delay_time"] * self._delay_unit_ns
         self._baud = self.model.baud_by_value[self.table["baud_rate"]]
 
     def _sense(self) -> None:

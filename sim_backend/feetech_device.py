@@ -9,6 +9,7 @@ plain status would say that all is well.
 
 from collections.abc import Sequence
 from enum import IntEnum
+from functools import partial
 
 from sim_backend.checksum_frames import BROADCAST, LARGEST_DATA, RANGE, ChecksumParser, status
 from sim_backend.device import (
@@ -51,7 +52,7 @@ class FeetechDevice(ServoDevice[FeetechServo]):
 
 def _answer(packet: Packet, listening: list[FeetechServo], now: int, byte_ns: int) -> list[Reply]:
     if packet.id != BROADCAST:
-        return collide(_answer_one(packet, listening, now), byte_ns)
+        return collide(_answer_one(packet, listening, now, byte_ns), byte_ns)
     match packet.instruction:
         case Instruction.PING:
             able = [servo for servo in listening if servo.knows_broadcast_ping]
@@ -66,7 +67,7 @@ def _answer(packet: Packet, listening: list[FeetechServo], now: int, byte_ns: in
     return []
 
 
-def _answer_one(packet: Packet, listening: list[FeetechServo], now: int) -> list[Reply]:
+def _answer_one(packet: Packet, listening: list[FeetechServo], now: int, byte_ns: int) -> list[Reply]:
     """Let the addressed servos obey; return the answer of each."""
     replies: list[Reply] = []
     for servo in listening:
@@ -76,7 +77,10 @@ def _answer_one(packet: Packet, listening: list[FeetechServo], now: int) -> list
         answers = servo.answers_writes or packet.instruction in (Instruction.PING, Instruction.READ)
         delay, error = servo.return_delay_ns, servo.error
         data = _execute(servo, packet, now)
-        if answers and data is not None and (reply := servo.utter(Reply(delay, status(packet.id, error, data)))):
+        if not answers or data is None:
+            continue
+        delay += servo.take_write_time_ns()
+        if reply := servo.answer(delay, partial(status, error=error, data=data), packet.id, byte_ns):
             replies.append(reply)
     return replies
 

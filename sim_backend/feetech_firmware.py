@@ -19,7 +19,8 @@ from sim_backend.feetech_motion import PWM, FeetechMotion
 from sim_backend.feetech_table import FeetechTable
 from sim_backend.servo_physics import Drive, ServoPhysics
 
-VOLTAGE, OVERHEATING, OVER_CURRENT, TORQUE_IS_ON, OVERLOAD = 0x01, 0x04, 0x08, 0x10, 0x20  # bits of the status
+# Bits of the status.
+VOLTAGE, SENSOR, OVERHEATING, OVER_CURRENT, TORQUE_IS_ON, OVERLOAD = 0x01, 0x02, 0x04, 0x08, 0x10, 0x20
 ON = 1  # of torque_enable
 
 _GOALS = {"acceleration", "goal_position", "goal_pwm", "goal_time", "goal_velocity"}
@@ -43,6 +44,7 @@ class FeetechServo(FakeServo):
 
     table: FeetechTable
     knows_calibrate = False
+    _reports_sensor = False
 
     def __init__(
         self, physics: ServoPhysics, index: int, firmware: FeetechFirmware, motion: FeetechMotion,
@@ -89,6 +91,11 @@ class FeetechServo(FakeServo):
             self._registered = None
             self.table["registered_instruction"] = 0
             self.write(address, data)
+
+    def take_write_time_ns(self) -> int:
+        """Return how long the EEPROM has been busy since the last call."""
+        stores, self.table.stores = self.table.stores, 0
+        return round(bool(stores) * self._firmware.eeprom_write_ms * 1e6)
 
     def recover(self, now: int) -> None:
         """Go back to the factory's settings, and start afresh."""
@@ -248,7 +255,8 @@ class FeetechServo(FakeServo):
             self._latched |= lasting & self.table["unloading_condition"]
         hot = temperature_c > self._temperature_limit
         starved = not self._lowest_v <= supply_v <= self._highest_v
-        status = lasting | self._latched | hot * OVERHEATING | starved * VOLTAGE
+        blind = self.encoder_fails and self._reports_sensor
+        status = lasting | self._latched | hot * OVERHEATING | starved * VOLTAGE | blind * SENSOR
         if status != self._status:
             self._status = status
             self._configure()

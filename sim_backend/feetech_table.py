@@ -20,6 +20,7 @@ class FeetechTable(ControlTable):
         self._by_byte = {
             at: r for r in model.registers if r.access is Access.READ_WRITE for at in range(r.address, r.end)}
         self._stored = bytearray(self.data)  # what outlives power; of use is the EEPROM
+        self.stores = 0  # registers that the EEPROM has been given
 
     def read(self, address: int, length: int) -> bytes:
         """Return raw bytes."""
@@ -42,7 +43,12 @@ class FeetechTable(ControlTable):
         """Set a register as its user does: of the EEPROM it outlives power only if `lock` is 0."""
         self[register.name] = value
         if register.memory is Memory.EEPROM and not self["lock"]:
-            self._stored[register.address:register.end] = self.data[register.address:register.end]
+            self.keep(register)
+
+    def keep(self, register: Register) -> None:
+        """Have what a register of the EEPROM holds outlive power."""
+        self._stored[register.address:register.end] = self.data[register.address:register.end]
+        self.stores += 1
 
     def restore(self) -> None:
         """Set all registers as at power-up."""

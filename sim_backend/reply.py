@@ -38,6 +38,22 @@ def collide(replies: Sequence[Reply], byte_ns: int) -> list[Reply]:
     return heard
 
 
+def misheard(reply: Reply, said_ns: int, heard_ns: int) -> Reply:
+    """Return what a receiver whose bytes take `heard_ns` makes of bytes that take `said_ns` each."""
+    if said_ns == heard_ns:
+        return reply
+    low, last = set(_low_bits(reply.data, 0)), len(reply.data) * _BITS_PER_BYTE
+    ratio = heard_ns / said_ns  # bits said per bit heard
+    heard, at = bytearray(), 0.0
+    while at < last:
+        if int(at) not in low:  # idle, until the next start bit
+            at = int(at) + 1.0
+            continue
+        heard.append(sum((int(at + (bit + 1.5) * ratio) not in low) << bit for bit in range(8)))
+        at += _BITS_PER_BYTE * ratio
+    return reply._replace(data=bytes(heard))
+
+
 def _low_bits(data: bytes, start: int) -> Iterator[int]:
     """Yield the bit times in which a sender holds the line low."""
     for first, byte in zip(range(start, start + len(data) * _BITS_PER_BYTE, _BITS_PER_BYTE), data, strict=True):

@@ -5,7 +5,7 @@ Assumed where manuals say nothing:
 - Step mode (3) counts from the goal before, and keeps to the position limits unless both are 0. Goal time does nothing
   in position mode. A goal velocity of 0 stops the motor in velocity mode, whatever the phase says. Acceleration 0 is
   no limit at all; `max_acceleration` bounds the others.
-- Torque enable 128 leaves torque as it was. What it writes outlives power only if `lock` is 0.
+- Torque enable 128 leaves torque as it was.
 
 Stored without effect: angular resolution, acceleration multiplier, velocity unit, DTs, Hts.
 """
@@ -27,6 +27,7 @@ class StsServo(FeetechServo):
 
     _firmware: StsFirmware
     _motion: StsMotion
+    _reports_sensor = True
 
     def __init__(self, physics: ServoPhysics, index: int, **factory_settings: int) -> None:
         """Make the servo of one entry of `physics`, new but for some registers of the EEPROM."""
@@ -56,7 +57,10 @@ class StsServo(FeetechServo):
     def _centre_here(self) -> None:
         encoder = self.model.encoder
         actual = round(encoder.centre + self._physics.ticks(self._index)) % encoder.ticks
-        self.table.assign(self.model["position_offset"], within(actual - encoder.centre, _LARGEST_OFFSET))
+        register = self.model["position_offset"]
+        self.table.assign(register, within(actual - encoder.centre, _LARGEST_OFFSET))
+        if self._firmware.centre_outlives_lock:
+            self.table.keep(register)
 
     def _hold(self, position: int) -> None:
         super()._hold(position)

@@ -207,7 +207,23 @@ class TestAgainstTheManual:
             self.check_indirect(MODELS[name].at_firmware(51), [(1, 28, 168, 224)], (64, 251))
             assert MODELS[name].at_firmware(52) is MODELS[name]
         else:
-            assert MODELS[name].at_firmware(0) is MODELS[name]
+            self.check_indirect(MODELS[name].at_firmware(0), [(1, 28, 168, 224), (29, 56, 578, 634)], (64, 661))
+
+    def test_what_came_with_later_firmware(self, name: str) -> None:
+        model = MODELS[name]
+        if name == "mx-28":
+            assert model.at_firmware(0) is model
+            return
+        first = 46 if name in X330 else 45
+        before = model.at_firmware(first - 1)
+        absent = {"backup_ready"} if name in X330 else {"backup_ready", "startup_configuration"}
+        assert model.at_firmware(first).by_name.keys() - before.by_name.keys() == absent
+        assert before["drive_mode"].choices == (0, 1, 4, 5)
+        assert before["drive_mode"].range == (0, 5)
+        if name in X330:
+            assert before["startup_configuration"].range == (0, 1), "no backup to start from"
+        assert "bus_watchdog" in model.at_firmware(38).by_name
+        assert ("bus_watchdog" in model.at_firmware(37).by_name) == (name in X330)
 
     def check_indirect(
         self, model: ServoModel, blocks: list[tuple[int, int, int, int]], reach: tuple[int, int]
@@ -237,8 +253,9 @@ class TestAgainstTheManual:
         """Of the version the manual speaks; the other switches are assumptions, which its file explains."""
         assert MODELS[name].firmware.model_dump(exclude={"kind", "temperature_c"}) == {
             "version": 52 if name in X330 else 45, "time_base_hz": 1000, "derivative_gain": False,
-            "goal_follows_present": False, "later_ids_answer": False, "reboot_s": 0.3, "overload_duty": 0.8,
-            "overload_s": 2.0}
+            "goal_follows_present": False, "later_ids_answer": False, "answers_at_new_setting": False,
+            "turnaround_us": 0.0, "watchdog_holds": True, "shock_at_power_up": False, "following_error_ticks": 100,
+            "reboot_s": 0.3, "overload_duty": 0.8, "overload_s": 2.0}
 
     def test_choices(self, name: str) -> None:
         model = MODELS[name]

@@ -326,7 +326,7 @@ def test_moving_and_moving_status() -> None:
     bench.run(1)
     assert bench.read("moving_status") == 0x12
     bench.run(400)
-    assert (bench.read("moving"), bench.read("moving_status")) == (0, 0x10)
+    assert (bench.read("moving"), bench.read("moving_status")) == (0, 0x18), "the shaft is held, a following error"
     bench.run(1, at=2243)
     assert bench.read("moving_status") == 0x11
 
