@@ -18,9 +18,10 @@ from robotwalk import checks
 from robotwalk.assembly.calibration import calibrate
 from robotwalk.config import library
 from robotwalk.config.document import Document
-from robotwalk.config.schema import GaitConfig, RobotConfig
+from robotwalk.config.schema import RobotConfig
 from robotwalk.errors import ConfigError
 from robotwalk.gait import Gait
+from robotwalk.gait_rules import fitted, read_gait
 from robotwalk.model import RobotModel
 from robotwalk.types import DriveResponse
 
@@ -153,10 +154,11 @@ def load_gaits(documents: Mapping[str, Document], model: RobotModel) -> dict[str
     """Return every gait that is for this robot's feet. Files for other feet may share its name."""
     gaits = {}
     for document in documents.values():
-        config = document.validate(GaitConfig)
+        config = read_gait(document)
         checks.require_sound_gait(document, config)
-        if set(config.swing) == {leg.name for leg in model.legs}:
-            gaits[config.name] = Gait(config, model)
+        circles = fitted(config, model.legs)
+        if circles is not None:
+            gaits[config.name] = Gait(circles, model)
     return gaits
 
 

@@ -8,7 +8,9 @@ from cyclopts import App, Parameter
 from robotwalk import assembly
 from robotwalk.cli.output import say, write_json, write_table
 from robotwalk.config import library
-from robotwalk.config.schema import GaitConfig, RobotConfig
+from robotwalk.config.schema import RobotConfig
+from robotwalk.gait_rules import fitted, read_gait
+from robotwalk.model import RobotModel
 
 app = App(name="list", help="List the bundled robots, servos, gaits or terrains, or the faults of a simulation.")
 
@@ -41,11 +43,11 @@ def servos(*, json: Json = False) -> None:
 @app.command
 def gaits(*, json: Json = False) -> None:
     """List the gaits, each with the bundled robots that it fits."""
-    feet = {name: set(_robot(name).skeleton.legs) for name in library.names("robots")}
+    legs = {name: RobotModel.from_config(_robot(name)).legs for name in library.names("robots")}
     rows = []
     for file in library.names("gaits"):
-        gait = library.open_document("gaits", file).validate(GaitConfig)
-        fits = [robot for robot, legs in feet.items() if legs == set(gait.swing)]
+        gait = read_gait(library.open_document("gaits", file))
+        fits = [robot for robot, its in legs.items() if fitted(gait, its) is not None]
         rows.append({"name": gait.name, "description": gait.description, "robots": fits})
     _show("gaits", rows, json)
 

@@ -154,6 +154,7 @@ class RobotConfig(Section):
     hardware: dict[str, Any]
 
 
+Share = Annotated[float, Field(gt=0, lt=1)]
 Sector = tuple[Annotated[float, Field(ge=0, lt=1)], Annotated[float, Field(gt=0, lt=2)]]
 
 
@@ -164,8 +165,8 @@ class BalanceConfig(Section):
     acceleration_mps2: Positive  # of the shift; lift-offs wait for its end
 
 
-class GaitConfig(Section):
-    """One file of `configs/gaits`: the swing sectors of each foot's circle, in turns (PPS section 3)."""
+class TimingConfig(Section):
+    """What all files of `configs/gaits` have in common, whatever tells their feet's sectors."""
 
     schema_version: Annotated[Literal[1], Field(alias="schema")]
     name: str
@@ -173,4 +174,52 @@ class GaitConfig(Section):
     slowest_period_s: Positive
     fastest_period_s: Positive | None = None  # None: as fast as the feet can swing
     balance: BalanceConfig | None = None  # None: the body keeps to its course
+
+
+class GaitConfig(TimingConfig):
+    """The swing sectors of each foot's circle, in turns, foot by foot (PPS section 3)."""
+
+    kind: Literal["sectors"] = "sectors"
     swing: Annotated[dict[str, Annotated[list[Sector], Field(min_length=1)]], Field(min_length=3)]
+
+
+def _not_falling(pair: tuple[int, int]) -> tuple[int, int]:
+    if pair[0] > pair[1]:
+        raise ValueError("should be [fewest, most]")
+    return pair
+
+
+LegCounts = Annotated[tuple[Annotated[int, Field(ge=3)], int], AfterValidator(_not_falling)]
+
+
+class WaveConfig(TimingConfig):
+    """One foot at a time, for any number of feet: on each side from rear to front, first left then right."""
+
+    kind: Literal["wave"]
+    legs: LegCounts = (3, 99)
+    pause: Annotated[float, Field(ge=0, lt=0.5)] = 0.0  # turns after each side in which all feet stand
+
+
+class OffsetsConfig(TimingConfig):
+    """Feet in pairs, one left and one right, by two phase offsets that add up (PARAM, leg phase differences)."""
+
+    kind: Literal["offsets"]
+    legs: Annotated[int, Field(ge=4, multiple_of=2)]
+    front_back: float  # turns by which a pair swings later than the pair ahead of it
+    left_right: float  # turns by which a right foot swings later than its left one
+    swing: Share  # of the circle
+
+
+class OscillatorConfig(TimingConfig):
+    """Feet in pairs that rise and fall with a skewed wave (PARAM, swing-stance ratio)."""
+
+    kind: Literal["oscillator"]
+    legs: Annotated[int, Field(ge=4, multiple_of=2)]
+    front_back: float  # as in OffsetsConfig
+    left_right: float
+    bias: Annotated[float, Field(ge=-5, le=5)]  # over 0 the stance is longer than the swing, below 0 shorter
+
+
+AnyGaitConfig = GaitConfig | WaveConfig | OffsetsConfig | OscillatorConfig
+GAIT_KINDS: dict[str, type[AnyGaitConfig]] = {
+    "sectors": GaitConfig, "wave": WaveConfig, "offsets": OffsetsConfig, "oscillator": OscillatorConfig}

@@ -7,16 +7,28 @@ from typing import NamedTuple
 import pytest
 
 from robotwalk.config import library
-from robotwalk.config.schema import GaitConfig, RobotConfig
+from robotwalk.config.schema import RobotConfig
 from robotwalk.controller import Controller, Wanted
 from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait
+from robotwalk.gait_rules import fitted, read_gait
 from robotwalk.kinematics import foot_position, resting_angles
 from robotwalk.model import RobotModel
 from robotwalk.supervisor import State
 from robotwalk.types import Command, Pose, Vec3
 
 RATE_HZ = 100
+
+
+def load_model(name: str) -> RobotModel:
+    return RobotModel.from_config(library.open_document("robots", name).validate(RobotConfig))
+
+
+def load_gait(file: str, model: RobotModel) -> Gait:
+    """Read a bundled gait that is for this robot's feet."""
+    config = fitted(read_gait(library.open_document("gaits", file)), model.legs)
+    assert config is not None
+    return Gait(config, model)
 
 
 class Frame(NamedTuple):
@@ -89,15 +101,12 @@ class PerfectRobot:
 
 @pytest.fixture(scope="session")
 def hexapod() -> RobotModel:
-    return RobotModel.from_config(library.open_document("robots", "hexapod").validate(RobotConfig))
+    return load_model("hexapod")
 
 
 @pytest.fixture(scope="session")
 def gaits(hexapod: RobotModel) -> dict[str, Gait]:
-    return {
-        name: Gait(library.open_document("gaits", name).validate(GaitConfig), hexapod)
-        for name in ("tripod", "ripple", "wave")
-    }
+    return {name: load_gait(name, hexapod) for name in ("tripod", "ripple", "wave")}
 
 
 @pytest.fixture

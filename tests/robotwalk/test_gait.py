@@ -151,10 +151,10 @@ def test_the_needle_turns_once_a_period(gaits: dict[str, Gait]) -> None:
 def test_the_period_changes_by_no_more_than_a_factor_of_four_a_second(gaits: dict[str, Gait]) -> None:
     clock = GaitClock(gaits["wave"])
     clock.change(gaits["tripod"], 0.3)
-    assert (clock.gait.name, clock.phase, clock.period) == ("tripod", 0.3, 2.4)
+    assert (clock.gait.name, clock.phase, clock.period) == ("tripod", 0.3, 2.8)
     for _ in range(25):
         clock.advance(STILL, 0.01, 1.0)
-    assert clock.period == pytest.approx(2.4 / math.sqrt(2.0))
+    assert clock.period == pytest.approx(2.8 / math.sqrt(2.0))
     for _ in range(100):
         clock.advance(STILL, 0.01, 1.0)
     assert clock.period == pytest.approx(1.0)
@@ -173,7 +173,7 @@ def test_the_needle_hurries_while_the_feet_cannot_bear_the_speed(gaits: dict[str
 
 def test_a_start_begins_with_the_next_lift_off(gaits: dict[str, Gait]) -> None:
     clock = GaitClock(gaits["wave"])
-    for phase, expected in ((0.4, 0.5), (0.51, 0.666667), (0.9, 0.0), (0.333333, 0.333333)):
+    for phase, expected in ((0.4, 0.5), (0.51, 2 / 3), (0.9, 0.0), (0.333333, 1 / 3)):
         clock.change(gaits["wave"], phase)
         clock.rewind()
-        assert clock.phase == expected
+        assert clock.phase == pytest.approx(expected)

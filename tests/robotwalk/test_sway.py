@@ -14,6 +14,7 @@ from robotwalk.config.schema import GaitConfig, RobotConfig
 from robotwalk.controller import Controller, Wanted, twist_of
 from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait
+from robotwalk.gait_rules import fitted, read_gait
 from robotwalk.kinematics import foot_position, resting_angles
 from robotwalk.model import RobotModel
 from robotwalk.supervisor import State
@@ -30,7 +31,8 @@ def load_model(name: str) -> RobotModel:
 
 
 def load_gait(name: str, model: RobotModel, balance: dict[str, float] | None = None) -> Gait:
-    config = library.open_document("gaits", name).validate(GaitConfig)
+    config = fitted(read_gait(library.open_document("gaits", name)), model.legs)
+    assert config is not None
     if balance is not None:
         config = GaitConfig.model_validate(config.model_dump(by_alias=True) | {"balance": balance})
     return Gait(config, model)

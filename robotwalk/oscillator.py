@@ -1,0 +1,61 @@
+"""A foot that rises and slides with two waves, skewed so that swing and stance take different shares (PARAM, Gait).
+
+Both waves have the period 2 pi. The bias b skews them alike: at 0 they are plain sines, over 0 the foot stands for
+longer than it swings, below 0 it swings for longer. Whether a foot is in the air, `lift` alone decides: the two waves
+change sides at slightly different moments (PARAM says so), and a planted foot that followed `slide` would be dragged.
+"""
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+_NO_SKEW = 1e-4  # of a bias; below it the plain sine differs by less than 1e-4, and the formulae lose their digits
+
+
+class FootOffset(NamedTuple):
+    """Where a foot is from its rest position."""
+
+    along: float  # of its stride, -0.5 to 0.5; positive in the direction of travel
+    up: float  # of its lift, 0 to 1
+
+
+def lift(x: float, bias: float) -> float:
+    """Return the up-down wave at x (rad), -1 to 1; the foot is in the air where it is positive."""
+    if abs(bias) < _NO_SKEW:
+        return math.sin(x)
+    # 2 (k^sin x - 1/k) / (k - 1/k) - 1 with k = e^b
+    return (math.exp(bias * math.sin(x)) - math.cosh(bias)) / math.sinh(bias)
+
+
+def slide(x: float, bias: float) -> float:
+    """Return the front-back wave at x (rad), scaled to -1 to 1."""
+    k = 2.0 / math.pi * math.atan(bias)
+    if abs(k) < _NO_SKEW:
+        return math.sin(x)
+    # The largest value of atan(k sin x / (1 - k cos x)) is at cos x = k.
+    return math.atan2(k * math.sin(x), 1.0 - k * math.cos(x)) / math.asin(k)
+
+
+@lru_cache(maxsize=64)
+def lift_off(bias: float) -> float:
+    """Return the first x at which a foot of this bias leaves the ground, rad; it lands at pi less that."""
+    if abs(bias) < _NO_SKEW:
+        return 0.0
+    return math.asin(math.log(math.cosh(bias)) / bias)
+
+
+def swing_share(bias: float) -> float:
+    """Return the share of its cycle that a foot is in the air."""
+    return 0.5 - lift_off(bias) / math.pi
+
+
+def lift_in_swing(progress: float, bias: float) -> float:
+    """Return a foot's height, 0 to 1, after a share of its swing."""
+    start = lift_off(bias)
+    return max(lift(start + progress * (math.pi - 2.0 * start), bias), 0.0)
+
+
+def in_place(turns: float, bias: float) -> FootOffset:
+    """Return where a foot is that walks on the spot, `turns` after its lift-off (PARAM, Gait)."""
+    x = lift_off(bias) + math.tau * turns
+    return FootOffset(0.5 * slide(x - 0.5 * math.pi, bias), max(lift(x, bias), 0.0))
