@@ -184,8 +184,8 @@ class Stepping:
         if swing.progress <= _LATEST_RETARGET:
             remaining = (1.0 - swing.progress) * seconds
             x, y = footprint(foot.leg, course, twist, remaining - dt + 0.5 * sector.stance * period)
-            foot.target = Vec3(x, y, self._ground)
-            swing.retarget(foot.target)
+            swing.retarget(Vec3(x, y, self._ground))
+            foot.target = swing.target
         foot.place = swing.step(dt, seconds, up)
         if swing.progress >= 1.0:
             foot.plant(foot.target)

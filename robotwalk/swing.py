@@ -8,6 +8,8 @@ from robotwalk.swing_paths import Motion, SwingPath
 from robotwalk.types import UP, Vec3
 
 _STILL = Motion(0.0, 0.0, 0.0)
+_NO_REST = (_STILL, _STILL, _STILL)
+_SAME = 1e-9  # m
 
 
 def least_jerk(motion: Motion, target: float, remaining: float, dt: float) -> Motion:
@@ -58,7 +60,7 @@ class Swing:
         self._path = path
         self._lift = lift  # m
         self._way, self._height = path.at(0.0)  # by progress
-        self._rest = (_STILL, _STILL, _STILL)
+        self._rest = _NO_REST
         self._seconds = 1.0  # of each half
         self._up = UP
 
@@ -73,8 +75,13 @@ class Swing:
             (tz - sz) * way + uz * rise + z.velocity)
 
     def retarget(self, target: Vec3) -> None:
-        """Come down elsewhere."""
+        """Come down elsewhere; less than a nanometre is no change."""
         (x, y, z), (ax, ay, az), (bx, by, bz) = self._rest, self.target, target
+        if abs(ax - bx) + abs(ay - by) + abs(az - bz) < _SAME:
+            return
+        if self.progress == 0.0:
+            self.target = target
+            return
         self._rest = (self._kept(x, self._way, ax - bx), self._kept(y, self._way, ay - by),
                       self._kept(z, self._way, az - bz))
         self.target = target
@@ -96,14 +103,18 @@ class Swing:
             up: the body's up axis, in the frame of the points.
         """
         if seconds != self._seconds:
-            self._take(seconds)
+            if self.progress not in (0.0, 1.0):
+                self._take(seconds)
+            self._seconds = seconds
         half = 1.0 if self.progress < 1.0 else 2.0
         remaining = (half - self.progress) * seconds
         # The end is met exactly, and a half begins no sooner than the tick after the other has ended.
         self.progress = self.progress + dt / seconds if remaining > dt else half
-        x, y, z = self._rest = (
-            least_jerk(self._rest[0], 0.0, remaining, dt), least_jerk(self._rest[1], 0.0, remaining, dt),
-            least_jerk(self._rest[2], 0.0, remaining, dt) if self._rest[2] != _STILL else _STILL)
+        if self._rest is not _NO_REST:
+            x, y, z = self._rest
+            self._rest = _NO_REST if remaining <= dt else (
+                least_jerk(x, 0.0, remaining, dt), least_jerk(y, 0.0, remaining, dt), least_jerk(z, 0.0, remaining, dt))
+        x, y, z = self._rest
         self._way, self._height = self._path.at(self.progress)
         self._up = up
         way, rise = self._way.position, self._lift * self._height.position
@@ -114,14 +125,13 @@ class Swing:
         return self.position
 
     def _take(self, seconds: float) -> None:
-        """Change the time of a half; the way made stays, and the speed until then goes into the rest."""
+        """Put what another time of a half changes of the speed into the rest; the way made stays."""
         ratio = self._seconds / seconds
         first, second = 1.0 - ratio, 1.0 - ratio * ratio
         dway = Motion(0.0, first * self._way.velocity, second * self._way.acceleration)
         dheight = Motion(
             0.0, self._lift * first * self._height.velocity, self._lift * second * self._height.acceleration)
         self._add_to_rest(dway, dheight)
-        self._seconds = seconds
 
     def _add_to_rest(self, dway: Motion, dheight: Motion) -> None:
         (sx, sy, sz), (tx, ty, tz), (ux, uy, uz) = self.start, self.target, self._up
