@@ -75,11 +75,11 @@ def _answer_one(packet: Packet, listening: list[FeetechServo], now: int, byte_ns
             continue
         # As they were before: a write may change these.
         answers = servo.answers_writes or packet.instruction in (Instruction.PING, Instruction.READ)
-        delay, error = servo.return_delay_ns, servo.error
+        delay, error, stores = servo.return_delay_ns, servo.error, servo.table.stores
         data = _execute(servo, packet, now)
         if not answers or data is None:
             continue
-        delay += servo.take_write_time_ns()
+        delay += servo.eeprom_ns(stores)
         if reply := servo.answer(delay, partial(status, error=error, data=data), packet.id, byte_ns):
             replies.append(reply)
     return replies

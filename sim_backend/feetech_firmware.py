@@ -92,10 +92,9 @@ class FeetechServo(FakeServo):
             self.table["registered_instruction"] = 0
             self.write(address, data)
 
-    def take_write_time_ns(self) -> int:
-        """Return how long the EEPROM has been busy since the last call."""
-        stores, self.table.stores = self.table.stores, 0
-        return round(bool(stores) * self._firmware.eeprom_write_ms * 1e6)
+    def eeprom_ns(self, stores_before: int) -> int:
+        """Return how long the EEPROM has been busy, if its table's count of stores was that before."""
+        return round((self.table.stores > stores_before) * self._firmware.eeprom_write_ms * 1e6)
 
     def recover(self, now: int) -> None:
         """Go back to the factory's settings, and start afresh."""

@@ -345,3 +345,33 @@ class TestFeetechsSdk:
         assert port.bus.table("acceleration") == [50, 0, 50]
         assert port.bus.table("goal_position") == [1000, 0, 1000]
         assert port.bus.table("goal_velocity") == [300, 0, 300]
+
+
+@pytest.mark.parametrize(("new", "answering"), [(False, 1), (True, 5)])
+def test_the_switch_for_the_answer_to_a_new_id(new: bool, answering: int) -> None:
+    bus = Bus(1, firmware={"answers_at_new_setting": new})
+    assert bus.ask(frame(1, b"\x03\x05\x05")) == [frame(answering, b"\0")]
+
+
+@pytest.mark.parametrize("new", [False, True])
+def test_the_switch_for_the_answer_to_a_new_baud_rate(new: bool) -> None:
+    bus = Bus(1, firmware={"answers_at_new_setting": new})
+    assert (bus.ask(frame(1, b"\x03\x06\x04")) == [frame(1, b"\0")]) == (not new)
+
+
+@pytest.mark.parametrize("kept", [False, True])
+def test_the_switch_for_a_centre_that_outlives_the_lock(kept: bool) -> None:
+    bus = Bus(1, firmware={"centre_outlives_lock": kept})
+    bus.place(2148)
+    bus.ask(frame(1, b"\x03\x37\1"))
+    bus.ask(frame(1, b"\x03\x28\x80"))
+    assert bus.table("position_offset") == [100]
+    bus.servos[0].lose_power(bus.now, 0.0)
+    assert bus.table("position_offset") == [100 * kept]
+
+
+def test_the_switches_for_turnaround_and_for_slow_eeprom() -> None:
+    bus = Bus(1, firmware={"turnaround_us": 50, "eeprom_write_ms": 25}, return_delay_time=0)
+    writes = b"\x03\x2a\0\1", b"\x03\x15\x20", b"\x03\x37\1", b"\x03\x15\x21"
+    delays = [bus.send(frame(1, body))[0].delay_ns for body in writes]
+    assert delays == [50_000, 25_050_000, 50_000, 50_000], "RAM, EEPROM, the lock, EEPROM that is locked"

@@ -12,7 +12,7 @@ from robotwalk.assembly import load_servo
 from sim_backend.brands import make_device, make_servo
 from sim_backend.device import Device
 from sim_backend.fake_servo import FakeServo
-from sim_backend.reply import Reply, collide
+from sim_backend.reply import Reply, collide, misheard
 from sim_backend.servo_physics import ServoPhysics
 
 BYTE_NS = 10_000  # at 1 Mbaud
@@ -118,3 +118,10 @@ def test_each_block_of_a_fast_read_is_one_answer() -> None:
     assert heard(device, FAST_SYNC_READ) == [Reply(0, frame[:16])]
     servos[0].interferences = [swallow]
     assert heard(device, FAST_SYNC_READ) == []
+
+
+def test_bytes_at_another_rate_are_heard_as_other_bytes() -> None:
+    """Nine low bits at half the rate last for eighteen: a whole byte of them, and seven and a half of the next."""
+    low = Reply(7, b"\0")
+    assert misheard(low, 10_000, 10_000) is low
+    assert misheard(low, 20_000, 10_000) == Reply(7, b"\x00\x80")
