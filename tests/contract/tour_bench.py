@@ -1,6 +1,6 @@
 """Servos of one model on a wire in simulated time, and a witness of all that is said there."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -42,10 +42,17 @@ class Witness:
             self.garble, data = False, data[:-1] + bytes((data[-1] ^ 1,))
         replies = self._device.receive(data, now, baud)
         at_id, at_instruction, at_error = (4, 7, 8) if self._frames == "dynamixel-2.0" else (2, 4, 4)
-        if len(data) > at_instruction:
-            errors = [reply.data[at_error] for reply in replies if len(reply.data) > at_error]
-            self._note(data[at_id], data[at_instruction], errors)
+        errors = [reply.data[at_error] for reply in replies if len(reply.data) > at_error]
+        frames = list(self._split(data))
+        for frame in frames:  # a client may send on behind what nobody answers
+            self._note(frame[at_id], frame[at_instruction], errors if frame is frames[-1] else [])
         return replies
+
+    def _split(self, data: bytes) -> Iterator[bytes]:
+        while len(data) > 7 if self._frames == "dynamixel-2.0" else len(data) > 4:
+            end = 7 + data[5] + 256 * data[6] if self._frames == "dynamixel-2.0" else 4 + data[3]
+            yield data[:end]
+            data = data[end:]
 
     def _note(self, servo_id: int, instruction: int, errors: list[int]) -> None:
         answered = bool(errors) or (servo_id == _BROADCAST and instruction not in _QUESTIONS)
@@ -61,7 +68,10 @@ class Witness:
 class TourBench:
     """Servos of one model, their shafts held where the test puts them."""
 
-    def __init__(self, name: str, *ids: int, switches: Mapping[str, object] = {}, **settings: int) -> None:
+    def __init__(
+        self, name: str, *ids: int, switches: Mapping[str, object] = {}, clock: SimulatedClock | None = None,
+        step_ns: int = MS, **settings: int,
+    ) -> None:
         model = load_servo(name)
         self.model = model.model_copy(update={"firmware": model.firmware.model_copy(update=switches)})
         self.physics = ServoPhysics([self.model] * len(ids))
@@ -70,7 +80,8 @@ class TourBench:
             make_servo(
                 self.physics, index, id=servo_id, **{"baud_rate": megabaud, "return_delay_time": 0, **settings})
             for index, servo_id in enumerate(ids)]
-        self.clock = SimulatedClock()
+        self.clock = clock or SimulatedClock()
+        self._step_ns = step_ns
         self.witness = Witness(make_device("tour", self.servos), self.model.frames)
         self.port = SimulatedPort(self.clock, self.witness, BAUD)
         self.turned = 0.0  # of all shafts, counts
@@ -84,4 +95,4 @@ class TourBench:
         angle = self.turned * self.model.encoder.radians_per_tick
         count = len(self.servos)
         self.physics.step(np.full(count, angle), np.zeros(count), self.clock.now())
-        self.clock.schedule(self.clock.now() + MS, self._step)
+        self.clock.schedule(self.clock.now() + self._step_ns, self._step)
