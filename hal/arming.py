@@ -161,7 +161,7 @@ class Arming:
         counts = line.read_register(self._clock, servo, register.name)
         if counts and not self._is_on(line, servo):
             try:
-                line.write_register(self._clock, servo, register.name, 0)
+                line.write_eeprom(self._clock, servo, register.name, 0)
             except BusError as error:
                 self._note(servo, f"keeps its return delay of {counts * register.scale:g} us: {error}")
             else:
@@ -175,6 +175,7 @@ class Arming:
         What it forgets without power is written; what it keeps is not ours to change unasked.
         """
         arming, model = servo.model.arming, servo.model
+        self._clear_watchdog(line, servo)
         for name, wanted in arming.require.items():
             found = line.read_register(self._clock, servo, name)
             if found != wanted:
@@ -191,6 +192,22 @@ class Arming:
                 self._note(servo, f"{name} is {found}; the factory's is {usual}")
         self._check_range(line, servo)
         self._gather(line, servo)
+
+    def _clear_watchdog(self, line: ServoLine, servo: Wired) -> None:
+        """Disarm what another program armed; one that has tripped must not run to an old goal then."""
+        if servo.model.watchdog is None:
+            return
+        register, _ = servo.model.watchdog
+        counts = line.read_register(self._clock, servo, register.name)
+        if counts == 0:
+            return
+        cyclic = servo.model.cyclic
+        here = line.read_register(self._clock, servo, cyclic.position)
+        line.write_register(self._clock, servo, register.name, 0)
+        assert register.range is not None
+        if counts > register.range[1]:
+            line.write_register(self._clock, servo, cyclic.goal, here)
+            self._note(servo, "had stopped, for it heard nothing any more; it holds where it is")
 
     def _gather(self, line: ServoLine, servo: Wired) -> None:
         """Have a servo's condition read at once, where it can be gathered."""

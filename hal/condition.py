@@ -35,7 +35,7 @@ def probe(protocol: ServoProtocol, servo: Wired, address: int, fields: Sequence[
 
 def probes(protocol: ServoProtocol, servo: Wired) -> Iterator[Probe]:
     """Return as few reads as bring a servo's whole condition."""
-    rows = sorted((servo.model[name] for name in servo.model.cyclic.telemetry.names), key=lambda row: row.address)
+    rows = sorted((servo.model[name] for name in servo.model.condition), key=lambda row: row.address)
     run: list[Register] = []
     for row in rows:
         if run and row.address - run[-1].end > _GAP:
@@ -51,9 +51,14 @@ def _together(protocol: ServoProtocol, servo: Wired, rows: Sequence[Register]) -
 
 
 class ConditionRota:
-    """Whose condition is read next, and what was read. Servos that report a fault come first."""
+    """Whose condition is read next, and what was read. Servos that report a fault come first.
+
+    Attributes:
+        tripped: the slots whose bus watchdog was found to have tripped; whoever sees to it takes them out.
+    """
 
     def __init__(self, protocol: ServoProtocol, servos: Sequence[Wired]) -> None:
+        self.tripped: set[int] = set()
         self._servos = tuple(servos)
         self._turns: deque[Probe] = deque()
         self._hurried: deque[Probe] = deque()
@@ -67,6 +72,7 @@ class ConditionRota:
 
     def forget(self) -> None:
         """Forget all that was read: torque was off then, or the servo was another."""
+        self.tripped.clear()
         self._hurried.clear()
         self._counts.clear()
 
@@ -94,10 +100,14 @@ class ConditionRota:
         if status is None or status.error:
             return
         data, slot = status.data, probe.servo.slot
+        watchdog = probe.servo.model.watchdog
         for register, offset in probe.fields:
             end = offset + register.size
             if end <= len(data):
-                self._counts[slot, register.name] = unpack(register, data[offset:end]), now
+                counts = unpack(register, data[offset:end])
+                self._counts[slot, register.name] = counts, now
+                if watchdog is not None and register is watchdog[0] and counts != watchdog[1]:
+                    self.tripped.add(slot)
 
     def faults(self, servo: Wired) -> tuple[str, ...]:
         """Return what is wrong with a servo, in words, as far as it was asked."""

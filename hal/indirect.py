@@ -38,7 +38,7 @@ def gather(protocol: ServoProtocol, servo: Wired, read: Read, write: Write) -> P
         return None
     fields: list[tuple[Register, int]] = []
     wanted: list[int] = []
-    for name in model.cyclic.telemetry.names:
+    for name in model.condition:
         fields.append((model[name], len(wanted)))
         wanted += range(model[name].address, model[name].end)
     base, addresses = model[_DATA.format(1)].address, model[_ADDRESS.format(1)].address

@@ -145,6 +145,13 @@ class Cyclic(Row):
     telemetry: Telemetry
 
 
+class BusWatchdog(Row):
+    """What stops a servo that hears nothing any more; armed last, fed by the cycle, off in every pause."""
+
+    name: str  # of its register. 0 disarms it; another value than was written: it has tripped
+    time_ms: Annotated[float, Field(gt=0)]  # without any instruction on the wire
+
+
 class Arming(Row):
     """What a servo must be set to before its torque comes on, in counts by register."""
 
@@ -153,6 +160,7 @@ class Arming(Row):
     explain: Annotated[dict[str, int], Field(default_factory=dict)]  # worth a word where they differ
     position_limits: tuple[str, str]  # between which a joint's whole range must lie
     restart_clears: tuple[str, ...] = ()  # faults after which a restart may follow unasked, as the error's flags say
+    watchdog: BusWatchdog | None = None  # None: the servo has none, and keeps on by itself
 
 
 class OperatingPoint(Row):
@@ -276,6 +284,25 @@ class ServoModel(Row):
         names = (self.cyclic.effort, self.cyclic.velocity, self.cyclic.position)
         return Block(tuple(sorted((self[name] for name in names), key=lambda register: register.address)))
 
+    @property
+    def lock(self) -> Register | None:
+        """The register that must be 0 for the EEPROM to keep what is written; None: it always does."""
+        return self.by_name.get("lock")
+
+    @cached_property
+    def watchdog(self) -> tuple[Register, int] | None:
+        """The bus watchdog's register, and the counts that arm it; None if there is none."""
+        if self.arming.watchdog is None:
+            return None
+        register = self[self.arming.watchdog.name]
+        return register, round(self.arming.watchdog.time_ms / register.scale)
+
+    @cached_property
+    def condition(self) -> tuple[str, ...]:
+        """The registers that are read in turn: the telemetry, and whether the bus watchdog has tripped."""
+        watchdog = self.arming.watchdog
+        return self.cyclic.telemetry.names + (() if watchdog is None else (watchdog.name,))
+
     def __getitem__(self, name: str) -> Register:
         return self.by_name[name]
 
@@ -346,8 +373,20 @@ class ServoModel(Row):
         cyclic = self.cyclic
         needed = (
             cyclic.goal, cyclic.effort, cyclic.velocity, cyclic.position, cyclic.torque_cap,
-            self.position_loop.proportional, *cyclic.telemetry.names, *self.arming.require, *self.arming.set,
+            self.position_loop.proportional, *self.condition, *self.arming.require, *self.arming.set,
             *self.arming.explain, *self.arming.position_limits)
         for name in needed:
             if name not in self.by_name:
                 yield f"no register is named {name!r}"
+        yield from self._watchdog_problems()
+
+    def _watchdog_problems(self) -> Iterator[str]:
+        wanted = self.arming.watchdog
+        register = self.by_name.get(wanted.name) if wanted is not None else None
+        if wanted is None or register is None:
+            return
+        _, most = register.range or (0, 0)
+        if register.unit != "ms" or not 1 <= wanted.time_ms / register.scale <= most or wanted.time_ms % register.scale:
+            yield (
+                f"arming.watchdog.time_ms: {register.name} takes multiples of {register.scale:g} {register.unit} up to "
+                f"{most * register.scale:g}, not {wanted.time_ms:g} ms")

@@ -16,6 +16,7 @@ from robotwalk.types import BusStatistics, JointState, ServoCondition
 _NS = 1_000_000_000
 _PATIENCE = 40_000_000  # ns past the time that the bytes take, while arming
 _QUIET = 10_000_000  # ns after which no reply is under way any more
+_LONGEST_BITE = 3600.0  # s
 
 
 class SerialServoBus:
@@ -35,6 +36,9 @@ class SerialServoBus:
         self._heard = [0] * count  # ns
         self._valid = [False] * count
         self._max_age = dict.fromkeys((line.name for line in lines), 0.0)
+        self._paused = True  # watchdogs off, no conditions read
+        self._exchanged = 0  # ns, when the last exchange began
+        self._bite = round(_NS * min([line.watchdogs.shortest for line in lines] + [_LONGEST_BITE]))  # ns
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -68,7 +72,7 @@ class SerialServoBus:
             for joint, condition in line.cycle.watch.rota.conditions(now).items()}
 
     def arm(self, period: int, torque: float = 1.0) -> JointState:
-        """Find every servo, let it hold where it is, switch torque on, limb by limb and gently.
+        """Find every servo, let it hold where it is, switch torque on, limb by limb and gently; arm the watchdogs.
 
         A servo whose torque is on already may be what the robot stands on: it keeps it, and its goal becomes where
         it is.
@@ -82,31 +86,48 @@ class SerialServoBus:
                 or the bus is too slow for the period. Torque is then as it was before: off, unless the robot was
                 found standing on it.
         """
-        self._rest()
+        self._fall_silent()
         self._heard = [self._clock.now() - _NS] * len(self._joints)
         arming = Arming(self._lines, self._clock, self._exchange_patiently)
         state = arming.find(period)
         stands = bool(arming.standing())
         try:
             state = arming.hold(state, torque)
+            for line in self._lines:
+                line.cycle.watch.rota.forget()  # torque was off, or it may have been
+            self._resume()
+            for line in self._lines:
+                if line.watchdogs.due:
+                    line.wire.send(line.watchdogs.armed(b""))
+            self._wait(_QUIET)
         except BaseException:
             if not stands:
                 self.disarm()
             raise
         finally:
             self.notes = tuple(arming.notes)
-        for line in self._lines:
-            line.cycle.watch.rota.forget()  # torque was off, or it may have been
-            line.cycle.watch.on = True
         return state
 
     def exchange(self, goals: Sequence[float], period: int) -> JointState:
-        """Write the goals (rad) to all joints and read all of them back, within `period` ns."""
-        return self._transact(goals, period)
+        """Write the goals (rad) to all joints and read all of them back, within `period` ns.
+
+        The first one after a pause arms the servos' watchdogs; so does one so late that they may have tripped.
+        """
+        now = self._clock.now()
+        if self._paused or now - self._exchanged > self._bite:
+            self._resume()
+        self._exchanged = now
+        return self._transact(goals, now, period)
+
+    def pause(self) -> None:
+        """Let every servo hold as it does, with nobody talking to it, until the next `exchange`. Never raises."""
+        self._fall_silent()
+        for line in self._lines:
+            self._disarm_watchdogs(line)
 
     def disarm(self) -> list[str]:
         """Switch torque off; return the joints at which that could not be confirmed. Never raises."""
-        self._rest()
+        self._fall_silent()
         doubtful: list[str] = []
         for line in self._lines:
             try:
@@ -124,9 +145,10 @@ class SerialServoBus:
     def _let_go(self, line: ServoLine) -> list[str]:
         """Switch a wire's torque off, twice since nobody acknowledges a broadcast, and look whether it is."""
         for _ in range(2):
-            self._pause(_QUIET)
+            self._wait(_QUIET)
             line.broadcast_torque_off()
-        self._pause(_QUIET)
+        self._disarm_watchdogs(line)
+        self._wait(_QUIET)
         for index, servo in enumerate(line.servos):
             try:
                 if self._is_on(line, servo):
@@ -136,35 +158,52 @@ class SerialServoBus:
                 return [other.joint for other in line.servos[index:]]
         return []
 
-    def _rest(self) -> None:
+    def _resume(self) -> None:
+        self._paused = False
+        self._exchanged = self._clock.now()
+        for line in self._lines:
+            line.cycle.watch.on = True
+            line.watchdogs.arm_all()
+
+    def _fall_silent(self) -> None:
         """Read no more conditions, and let what is under way come to its end."""
+        self._paused = True
         if any(line.cycle.watch.on for line in self._lines):
-            self._pause(_QUIET)
+            self._wait(_QUIET)
         for line in self._lines:
             line.cycle.watch.rest()
+
+    def _disarm_watchdogs(self, line: ServoLine) -> None:
+        """Disarm a wire's watchdogs. Where that is lost they trip in vain: the servos hold all the same."""
+        frames = line.watchdogs.disarmed()
+        if frames:
+            with contextlib.suppress(BusError, OSError):
+                line.wire.send(frames)
 
     def statistics(self) -> Mapping[str, BusStatistics]:
         """Return what each bus carried, by its name."""
         return {
             line.name: BusStatistics(
                 line.wire.tx_bytes, line.wire.rx_bytes, line.cycle.transactions, line.cycle.lost_replies,
-                line.bad_frames, self._max_age[line.name])
+                line.bad_frames, self._max_age[line.name], line.watchdogs.trips)
             for line in self._lines
         }
 
     def _is_on(self, line: ServoLine, servo: Wired) -> bool:
         return line.read_register(self._clock, servo, "torque_enable") != 0
 
-    def _pause(self, duration: int) -> None:
+    def _wait(self, duration: int) -> None:
         self._clock.wait((), self._clock.now() + duration)
 
     def _exchange_patiently(self, goals: Sequence[float] | None) -> JointState:
-        return self._transact(goals, _NS, _PATIENCE)
+        return self._transact(goals, self._clock.now(), _NS, _PATIENCE)
 
-    def _transact(self, goals: Sequence[float] | None, period: int, patience: int = PATIENCE) -> JointState:
-        start = self._clock.now()
+    def _transact(
+        self, goals: Sequence[float] | None, start: int, period: int, patience: int = PATIENCE
+    ) -> JointState:
         latest = start + round(SHARE_OF_TICK * period)
-        frames = [line.cycle.goal_frames(goals) for line in self._lines]  # all of them, before a wire carries any
+        # All of them, before a wire carries any.
+        frames = [line.goal_frames(goals, self._position) for line in self._lines]
         pending = [
             line for line, frame in zip(self._lines, frames, strict=True)
             if line.cycle.begin(frame, start, latest, start + period, patience)]

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from hal.encoding import pack, unpack
 from hal.line_cycle import LineCycle
 from hal.protocol import ServoProtocol, Status
+from hal.watchdog import Watchdogs
 from hal.wire import Wire
 from hal.wired import Wired
 from robotwalk.errors import BusError
@@ -26,6 +27,7 @@ class ServoLine:
         self.protocol = protocol
         self.wire = Wire(port, baud)
         self.cycle = LineCycle(self.wire, protocol, servos)
+        self.watchdogs = Watchdogs(protocol, servos)
         self._receiver = protocol.receiver()
 
     @property
@@ -37,6 +39,28 @@ class ServoLine:
     def bad_frames(self) -> int:
         """How many frames came garbled."""
         return self._receiver.bad_frames + self.cycle.bad_frames
+
+    def goal_frames(self, goals: Sequence[float] | None, position: Sequence[float]) -> bytes:
+        """Return what writes the goals, if any, and arms the watchdogs that are due.
+
+        Whose watchdog has tripped is sent to where it is, in this one tick.
+
+        Args:
+            goals: rad, in the robot's joint order.
+            position: where the joints were last measured.
+
+        Raises:
+            ValueError: a goal is NaN or infinite.
+        """
+        frames, tripped = self.cycle.goal_frames(goals), self.cycle.watch.rota.tripped
+        if goals is None or not (tripped or self.watchdogs.due):
+            return frames
+        if tripped:
+            here = [position[slot] if slot in tripped else goal for slot, goal in enumerate(goals)]
+            frames = self.cycle.goal_frames(here)
+            self.watchdogs.arm_again(tripped)
+            tripped.clear()
+        return self.watchdogs.armed(frames)
 
     def request(self, clock: Clock, frame: bytes, servo_id: int, size: int | None = None) -> Status | None:
         """Send one instruction and wait for its status; again if none comes in time, and None if none ever does.
@@ -113,6 +137,21 @@ class ServoLine:
         after = self.read_register(clock, servo, name)
         if after != value:
             raise BusError(f"{servo} on bus {self.name} did not take {name} = {value}: it is {after}")
+
+    def write_eeprom(self, clock: Clock, servo: Wired, name: str, value: int) -> None:
+        """Write a register that outlives power, its lock opened for that, and read it back.
+
+        Raises:
+            BusError: the servo does not answer, refuses, or does not keep the value.
+        """
+        lock = servo.model.lock
+        if lock is not None:
+            self.write_register(clock, servo, lock.name, 0)
+        try:
+            self.write_register(clock, servo, name, value)
+        finally:
+            if lock is not None:
+                self.write_register(clock, servo, lock.name, 1)
 
     def restart(self, clock: Clock, servo: Wired, patience: int) -> None:
         """Start a servo's firmware anew, torque off, and wait up to `patience` ns until it answers again."""

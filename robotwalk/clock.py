@@ -45,6 +45,10 @@ class Grid:
         """The time of the next tick, ns. Rounded from the exact grid, so that errors do not add up."""
         return self._index * _NS // self._rate
 
+    def resume(self, now: int) -> None:
+        """Go on behind `now`, after a time in which no tick was due: nothing was missed."""
+        self._index = now * self._rate // _NS + 1
+
     def advance(self, now: int) -> None:
         """Go on to the next grid point that is not yet past."""
         self._index += 1

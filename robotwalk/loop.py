@@ -71,6 +71,7 @@ class Loop:
         self._taped: Callable[..., None] = tape.call if tape is not None else lambda name, argument=None: None
         self.period = _NS // rate_hz
         self._grid = Grid(rate_hz, after=clock.now())
+        self._paused = False
         self._goals: tuple[float, ...] = ()
         self._joints = JointState((), (), (), (), ())
         self._wanted = Wanted((), STILL, 1.0, (), 0.0, False, False)
@@ -117,6 +118,12 @@ class Loop:
         self._taped("disarm")
         return self._bus.disarm()
 
+    def pause(self) -> None:
+        """Have every joint hold what it holds, for no tick will follow for a while. The next one goes on from there."""
+        self._taped("pause")
+        self._bus.pause()
+        self._paused = True
+
     @property
     def missed(self) -> int:
         """How many grid points were skipped."""
@@ -141,6 +148,9 @@ class Loop:
         """Wait for the deadline and turn the cycle once."""
         self._taped("tick")
         clock, dt = self._clock, 1.0 / self.rate_hz
+        if self._paused:
+            self._paused = False
+            self._grid.resume(clock.now())
         deadline = self._grid.deadline
         clock.wait((), deadline)
         woke = clock.now()
@@ -162,7 +172,10 @@ class Loop:
         return tick
 
     def freeze(self) -> None:
-        """Hold every joint where it is, through the gate: measured if it answered, else where it was sent."""
+        """Hold every joint where it is, through the gate: measured if it answered, else where it was sent.
+
+        Nobody need talk to the servos any more.
+        """
         self._taped("freeze")
         for _ in range(2):  # nobody acknowledges goals
             goals = [
@@ -170,6 +183,7 @@ class Loop:
                 for position, valid, goal in zip(self._joints.position, self._joints.valid, self._goals, strict=True)]
             self._goals = self.gate.step(goals, 1.0 / self.rate_hz)
             self._bus.exchange(self._goals, self.period)
+        self._bus.pause()
 
     def _think(self, now: int, joints: JointState, dt: float) -> Tick:
         """Everything between the bytes read and the goals for the next write."""

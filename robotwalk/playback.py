@@ -134,6 +134,8 @@ class Playback:
                 return loop.beat
             case Call("tick"):
                 return loop.tick
+            case Call("pause"):
+                return loop.pause
             case Call("freeze"):
                 return loop.freeze
             case Call("disarm"):

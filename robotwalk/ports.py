@@ -85,6 +85,10 @@ class ServoBus(Protocol):
         """Write the goals (rad) to all joints and read all of them back, within `period` ns."""
         ...
 
+    def pause(self) -> None:
+        """Let every servo hold as it does, with nobody talking to it, until the next `exchange`. Never raises."""
+        ...
+
     def disarm(self) -> list[str]:
         """Switch torque off; return the joints at which that could not be confirmed. Never raises."""
         ...

@@ -52,7 +52,11 @@ class Robot:
 
     Each call that moves the robot returns when the motion is over. Ctrl-C, SIGTERM and SIGHUP are taken
     between ticks: the first one leaves the block, so the robot sits; a Ctrl-C while it sits down freezes it
-    as it is, with torque on. Between calls nothing watches over the robot: it holds its last goals.
+    as it is, with torque on.
+
+    Between calls nothing watches over the robot: it holds its last goals, and the servos' own watchdogs, which stop
+    a servo that hears nothing any more, are off. The next call arms them again. So a program may take its time
+    between calls, and one that is killed while the robot moves leaves it holding where it was.
 
     Attributes:
         model, gaits, loop, events: what it is made of, and what has happened.
@@ -127,6 +131,7 @@ class Robot:
         if state is not State.STAND:
             self._request(Request.HALT if state is State.WALK else Request.STAND)
         self._run(_LONGEST_STAND_UP, until=lambda tick: tick.wanted.standing, what="stand")
+        self.loop.pause()
 
     def walk(
         self, vx: float = 0.0, vy: float = 0.0, wz: float = 0.0, *, seconds: float, gait: str | None = None,
@@ -156,6 +161,7 @@ class Robot:
         self.loop.command = self.loop.command._replace(twist=STILL, heading=None)
         self._request(Request.HALT)
         self._run(_LONGEST_SIT_DOWN, until=lambda tick: tick.wanted.standing, what="stop")
+        self.loop.pause()
 
     def command(self, command: Command) -> None:
         """Change what the robot is to do, from the next tick on.

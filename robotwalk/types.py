@@ -98,3 +98,4 @@ class BusStatistics(NamedTuple):
     lost_replies: int  # joint samples asked for and not received
     bad_frames: int
     max_age: float  # s, the longest that any joint was out of date
+    watchdog_trips: int  # servos that had stopped, for they heard nothing for too long

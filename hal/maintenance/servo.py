@@ -14,7 +14,6 @@ from hal.register_map import Block, Memory, Register, ServoModel
 from robotwalk.errors import BusError, ServoError
 
 _LARGEST_READ = 64  # bytes; well within what any servo sends at once
-_LOCK = "lock"  # the register, where there is one, that must be 0 for the EEPROM to keep what is written
 _ADDRESS = ("id", "baud_rate")  # where the servo is to be found from then on
 _LISTENINGS = 6  # for another servo with the same id
 
@@ -154,14 +153,15 @@ class Servo:
     @contextmanager
     def _unlocked(self) -> Iterator[None]:
         """Let the EEPROM keep what is written, and then no more."""
-        if _LOCK not in self.model.by_name:
+        lock = self.model.lock
+        if lock is None:
             yield
             return
-        self._put(self.model[_LOCK], 0)
+        self._put(lock, 0)
         try:
             yield
         finally:
-            self._put(self.model[_LOCK], 1)
+            self._put(lock, 1)
 
     def _put(self, register: Register, value: int) -> None:
         """Write a register, and follow the servo to its new id or baud rate."""
@@ -196,8 +196,8 @@ class Servo:
             raise BusError(
                 f"{self} answers neither as {new} nor as {old} any more; `robotwalk servo scan` looks everywhere")
         self.id = found.id
-        if _LOCK in self.model.by_name:
-            self._put(self.model[_LOCK], 1)
+        if self.model.lock is not None:
+            self._put(self.model.lock, 1)
         return self._read_back(register.name, value)
 
     def _read_back(self, name: str, value: int) -> int:

@@ -279,8 +279,10 @@ class TestAgainstTheManual:
         assert (model.feedback.address, model.feedback.size) == (126, 10)
         assert model.arming.require == {"operating_mode": 3, "drive_mode": 0, "homing_offset": 0}
         assert model.arming.set == {
-            "status_return_level": 2, "bus_watchdog": 0, "profile_velocity": 0, "profile_acceleration": 0}
-        assert model.arming.explain == {"shutdown": model["shutdown"].default}
+            "status_return_level": 2, "profile_velocity": 0, "profile_acceleration": 0,
+            **{gain: model[gain].default for gain in GAINS}}
+        assert model.watchdog == (model["bus_watchdog"], 10), "200 ms"
+        assert model.arming.explain == {name: model[name].default for name in ("shutdown", "pwm_limit")}
         assert model.arming.position_limits == ("min_position_limit", "max_position_limit")
         assert model.arming.restart_clears == ("overload",)
         assert telemetry.names == (
@@ -290,6 +292,9 @@ class TestAgainstTheManual:
         assert (loop.proportional, loop.divisor) == ("position_p_gain", 256 if name in X330 else 128)
         assert loop.pwm_full_scale == 885
 
+
+GAINS = (
+    "position_p_gain", "position_i_gain", "position_d_gain", "feedforward_1st_gain", "feedforward_2nd_gain")
 
 # Volts, N m, A, rpm at the rated voltage and beside it; grams; gear. From the e-Manual's specifications.
 SHEETS = {

@@ -250,13 +250,17 @@ def test_what_the_exchange_uses(name: str) -> None:
         assert (model.protocol, model.sync_read, cyclic.torque_cap, telemetry.current) == (
             "feetech-sts", True, "torque_limit", "present_current")
         assert model.arming.require == {"operating_mode": 0, "status_return_level": 1}
-        assert model.arming.set == {"acceleration": 0, "goal_velocity": 0}
+        assert model.arming.set == {"lock": 1, "acceleration": 0, "goal_velocity": 0}
     else:
         assert (model.protocol, model.sync_read, cyclic.torque_cap, telemetry.current) == (
             "feetech-scs", False, "max_torque_limit", None)
         assert model.arming.set == {
             "lock": 1, "goal_time": 0, "goal_velocity": 0}, "a limit is not to wear the EEPROM"
     assert model.arming.position_limits == ("min_position_limit", "max_position_limit")
+    assert {"unloading_condition", "phase", "position_p_gain"} <= model.arming.explain.keys()
+    for register, usual in model.arming.explain.items():
+        assert usual == model[register].default
+    assert model.watchdog is None
     assert model.fast_sync_read_firmware is None
     assert protocol_of(model) is not None
 

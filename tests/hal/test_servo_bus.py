@@ -1,92 +1,16 @@
 """The cyclic exchange with fake servos on a simulated wire: what garbled and missing replies cost."""
 
 import math
-from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 from fastcrc import crc16
 
-from hal import dynamixel_protocol
-from hal.calibration import Calibration
-from hal.servo_bus import SerialServoBus
-from hal.servo_line import ServoLine
-from hal.wired import Wired
-from robotwalk.assembly import load_servo
 from robotwalk.errors import BusError
 from robotwalk.types import ServoCondition
 from sim_backend.device import Reply
-from sim_backend.dynamixel_device import DynamixelDevice
-from sim_backend.dynamixel_firmware import DynamixelServo
-from sim_backend.servo_physics import ServoPhysics
-from sim_backend.simulated_clock import SimulatedClock
-from sim_backend.wire import SimulatedPort
 
-MODEL = load_servo("xl430-w250")
-TICK = 2.0 * math.pi / 4096  # rad
-PERIOD = 10_000_000  # ns
-COUNT = 5
-FAST, PLAIN = 45, 44  # firmware with and without fast sync read
-
-INDIRECT_ADDRESS_1 = b"\xa8\x00"
-
-Tamper = Callable[[list[Reply]], list[Reply]]
-
-
-class Device:
-    """The servos of a bus, with someone at the wire on its way back, who also counts what goes there."""
-
-    def __init__(self, device: DynamixelDevice) -> None:
-        self.device = device
-        self.tamper: Tamper = lambda replies: replies
-        self.lose: Callable[[bytes], bytes] = lambda data: data
-        self.heard: list[bytes] = []
-
-    def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
-        self.heard.append(data)
-        return self.tamper(self.device.receive(self.lose(data), now, baud))
-
-
-class Rig(NamedTuple):
-    """Joints j0, j1 ... on one bus, their shafts held by a vice at `shafts` (rad)."""
-
-    bus: SerialServoBus
-    device: Device
-    clock: SimulatedClock
-    servos: list[DynamixelServo]
-    physics: ServoPhysics
-    line: ServoLine
-
-    def hold(self, shafts: list[float], speeds: list[float] | None = None) -> None:
-        """Turn the shafts there, and keep them."""
-        self.physics.step(np.array(shafts), np.array(speeds or [0.0] * COUNT), self.clock.now())
-
-
-def rig(firmware: int = FAST) -> Rig:
-    clock = SimulatedClock()
-    physics = ServoPhysics([MODEL] * COUNT)
-    servos = [
-        DynamixelServo(physics, i, id=i + 1, baud_rate=3, return_delay_time=0, firmware_version=firmware)
-        for i in range(COUNT)]
-    device = Device(DynamixelDevice(servos))
-    port = SimulatedPort(clock, device, 1_000_000)
-    wired = [
-        Wired(
-            f"j{i}", f"limb{i // 2}", i, i + 1, MODEL,
-            Calibration(-1 if i == 1 else 1, 0.5 if i == 2 else 0.0, 2048, TICK), -1.0, 1.0)
-        for i in range(COUNT)]
-    line = ServoLine("legs", port, 1_000_000, dynamixel_protocol, wired)
-    built = Rig(SerialServoBus([f"j{i}" for i in range(COUNT)], [line], clock), device, clock, servos, physics, line)
-    built.hold([0.0] * COUNT)
-    return built
-
-
-def armed(firmware: int = FAST) -> Rig:
-    built = rig(firmware)
-    built.bus.arm(PERIOD)
-    built.device.heard.clear()
-    return built
+from .bus_rig import COUNT, FAST, PERIOD, PLAIN, TICK, Rig, Tamper, armed, next_tick, rig
 
 
 @pytest.mark.parametrize("firmware", [FAST, PLAIN])
@@ -101,10 +25,13 @@ def test_arming_holds_where_the_shafts_are_and_switches_torque_on(firmware: int)
     assert [servo.table["torque_enable"] for servo in built.servos] == [1] * COUNT
 
 
+INDIRECT, WATCHDOG = b"\xa8\x00", b"\x62\x00"
+
+
 def writes(built: Rig) -> list[bytes]:
-    """The writes and sync writes that were sent, from the instruction on, without CRC, but for indirect addresses."""
+    """The writes and sync writes that were sent, from the instruction on, without CRC; of goals, caps and torque."""
     frames = [data[7:] for data in built.device.heard]
-    return [frame[:-2] for frame in frames if frame[0] in (0x03, 0x83) and frame[1:3] != INDIRECT_ADDRESS_1]
+    return [frame[:-2] for frame in frames if frame[0] in (0x03, 0x83) and frame[1:3] not in (INDIRECT, WATCHDOG)]
 
 
 def test_torque_comes_gently_limb_by_limb_after_the_goals() -> None:
@@ -172,6 +99,13 @@ def test_a_profile_that_somebody_left_in_ram_is_taken_out() -> None:
     built.servos[1].write(112, (30).to_bytes(4, "little"))
     built.bus.arm(PERIOD)
     assert built.servos[1].table["profile_velocity"] == 0
+
+
+def test_gains_that_somebody_left_in_ram_are_the_factorys_again() -> None:
+    built = rig()
+    built.servos[1].write(84, (100).to_bytes(2, "little"))
+    built.bus.arm(PERIOD)
+    assert built.servos[1].table["position_p_gain"] == 640
 
 
 def test_torque_that_cannot_be_confirmed_off_is_said() -> None:
@@ -383,11 +317,6 @@ def test_an_overheated_servo_raises_its_alert_in_the_cycle_and_its_data_still_co
     assert built.bus.alerts == {"j2": "reports overheating"}, "it was asked what is wrong at once"
 
 
-def next_tick(built: Rig) -> None:
-    built.clock.wait((), built.clock.now() + PERIOD // 2)
-    built.bus.exchange([0.0] * COUNT, PERIOD)
-
-
 def test_every_servos_condition_is_read_in_turn_with_its_age() -> None:
     built = armed()
     assert set(built.bus.conditions().values()) == {ServoCondition(None, None, None, None, ())}
@@ -413,7 +342,7 @@ def test_a_condition_is_one_short_read_of_gathered_registers() -> None:
     built.bus.exchange([0.0] * COUNT, PERIOD)
     next_tick(built)
     reads = [data[4:-2] for data in built.device.heard if data[7] == 0x02]
-    assert reads == [bytes((1, 7, 0, 2, 224, 0, 5, 0))], "torque, error, voltage, temperature from indirect data 1"
+    assert reads == [bytes((1, 7, 0, 2, 224, 0, 6, 0))], "torque, error, voltage, temperature, watchdog from data 1"
 
 
 def test_whoever_has_another_map_is_read_where_the_registers_lie() -> None:
@@ -421,10 +350,10 @@ def test_whoever_has_another_map_is_read_where_the_registers_lie() -> None:
     built.servos[0].write(168, (65).to_bytes(2, "little"))  # not ours, and not a start's
     built.bus.arm(PERIOD)
     built.device.heard.clear()
-    for _ in range(COUNT + 2):
+    for _ in range(COUNT + 3):
         next_tick(built)
     reads = {(data[4], data[8]) for data in built.device.heard if data[7] == 0x02}
-    assert reads == {(1, 64), (1, 144), *((i, 224) for i in range(2, COUNT + 1))}
+    assert reads == {(1, 64), (1, 98), (1, 144), *((i, 224) for i in range(2, COUNT + 1))}
     assert all(told.holds for told in built.bus.conditions().values())
 
 
@@ -449,6 +378,7 @@ def test_a_return_delay_is_taken_out_and_told() -> None:
 
 def test_a_servo_that_only_was_overloaded_is_restarted_and_that_is_told() -> None:
     built = armed()
+    built.bus.pause()
     built.physics.strained.add(1)
     for _ in range(30):
         built.clock.wait((), built.clock.now() + 100_000_000)

@@ -106,6 +106,41 @@ def test_a_closed_terminal_seats_the_robot(hexapod: Device) -> None:
     assert_seated(hexapod)
 
 
+def register(device: Device, number: int, name: str) -> int:
+    done = subprocess.run(
+        [*COMMAND, "servo", "read", str(number), name, "--port", device.port.partition("=")[2], "--json"],
+        capture_output=True, text=True, check=True)
+    return int(json.loads(done.stdout)["registers"][name]["raw"])
+
+
+def test_a_walk_that_is_killed_in_mid_stride_leaves_a_robot_that_holds(hexapod: Device) -> None:
+    """Nobody can seat it any more. Its servos hear nothing, stop where they are, keep their torque, refuse goals."""
+    walk = hexapod.start_walking()
+    walk.kill()
+    killed = time.monotonic()
+    walk.wait(20)
+    time.sleep(1.5)
+    lines = [json.loads(line) for line in hexapod.truth_file.read_text().splitlines()[:-1]]
+    within = killed + 0.2 + 0.3  # the watchdog's time, and the leeway of a busy machine
+    still = [line["joints"] for line in lines if line["t"] > within]
+    moving = [line["joints"] for line in lines if killed - 0.5 < line["t"] < killed]
+    assert len(still) > 20
+    assert max(abs(a - b) for a, b in zip(moving[0].values(), moving[-1].values(), strict=True)) > 0.05
+    assert max(abs(each[joint] - still[0][joint]) for each in still for joint in each) < 0.02
+    truth = hexapod.truth()
+    assert not truth["fell"]
+    assert truth["base"]["pos"][2] > 0.08, "it stands"
+    for number in (1, 9, 18):
+        assert register(hexapod, number, "bus_watchdog") == 0xFF
+        assert register(hexapod, number, "torque_enable") == 1
+    # The next one takes it over as it stands, and walks on.
+    done = hexapod.walk("--speed", "0.08", "--duration", "3", "--json")
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)
+    assert "it heard nothing any more" in str([event["text"] for event in report["events"] if event["kind"] == "audit"])
+    assert_seated(hexapod)
+
+
 def test_a_slow_adapter_is_told_with_the_rate_at_which_it_can_walk(tmp_path: Path) -> None:
     for device in devices("hexapod", tmp_path, "--adapter", "ftdi16"):
         refused = device.walk("--duration", "1")

@@ -1,0 +1,40 @@
+"""A program that takes its time between two calls: nobody talks to the servos meanwhile, and they hold."""
+
+from pathlib import Path
+
+from robotwalk import assembly
+from robotwalk.assembly.replay import replay
+
+
+def test_a_pause_between_calls_trips_no_watchdog_and_misses_no_deadline() -> None:
+    simulation = assembly.simulate("hexapod")
+    bus, clock = simulation.bus.lines[0], simulation.clock
+    servos = bus.servos
+    with simulation.robot as robot:
+        robot.stand()
+        standing = simulation.world.truth().base.z
+        clock.wait((), clock.now() + 3_000_000_000)
+        assert simulation.world.truth().base.z > standing - 0.002
+        assert bus.read_register(clock, servos[0], "bus_watchdog") == 0
+        robot.walk(vx=0.05, seconds=0.5)
+        assert bus.read_register(clock, servos[0], "bus_watchdog") == 0
+        clock.wait((), clock.now() + 3_000_000_000)
+    statistics = robot.bus_statistics()["legs"]
+    assert statistics.watchdog_trips == 0
+    assert statistics.lost_replies == 0
+    assert robot.loop.missed == 0
+    assert [event.kind for event in robot.events] == ["state"] * len(robot.events)
+    assert simulation.world.truth().base.z < 0.05, "it sat down at the end"
+
+
+def test_a_run_with_pauses_replays(tmp_path: Path) -> None:
+    log = tmp_path / "log.mcap"
+    simulation = assembly.simulate("hexapod", log=log)
+    with simulation.robot as robot:
+        robot.stand()
+        simulation.world.clock.wait((), simulation.world.clock.now() + 1_000_000_000)
+        robot.walk(vx=0.05, seconds=0.3)
+    found = replay(log)
+    assert found.difference is None
+    assert found.damage is None
+    assert found.ticks > 200
