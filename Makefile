@@ -2,11 +2,12 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: help walk test check clean
+.PHONY: help walk test fuzz check clean
 
 help:
 	@echo "make walk    install, walk the hexapod in simulation, leave walk.gif"
 	@echo "make test    install and run all tests"
+	@echo "make fuzz    two million garbled inputs to all that takes bytes from a wire; about ten minutes"
 	@echo "make check   lint and type check"
 	@echo "make clean   remove .venv and what the tools leave behind"
 
@@ -15,6 +16,9 @@ walk: .venv/runtime
 
 test: .venv/dev
 	$(BIN)/python -m pytest -n auto
+
+fuzz: .venv/dev
+	$(BIN)/python -m tests.fuzz 100000
 
 check: .venv/dev
 	$(BIN)/ruff check .

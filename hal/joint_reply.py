@@ -51,7 +51,9 @@ class JointReply:
         return self._arrived == len(self._blocks)
 
     def feed(self, data: bytes) -> None:
-        """Take the next bytes and put the blocks that they complete into `results`."""
+        """Take the next bytes and put the blocks that they complete into `results`. What follows the reply goes."""
+        if self.complete:
+            return
         pending = self._pending + data
         if self._crc is None:
             start = pending.find(self._head)
@@ -81,4 +83,4 @@ class JointReply:
             self._arrived += 1
         crc = crc16(pending[checked:position], crc)
         self._crc = crc
-        return pending[position:]
+        return b"" if self.complete else pending[position:]

@@ -1,0 +1,19 @@
+"""A short run of what `make fuzz` does for long."""
+
+from collections.abc import Callable
+from random import Random
+
+import pytest
+
+from . import fakes, hosts
+
+_INPUTS = 1000  # of each
+
+TRIALS = dict([*hosts.trials(), *fakes.trials()])
+
+
+@pytest.mark.parametrize("name", TRIALS)
+def test_garbled_bytes_do_no_harm(name: str) -> None:
+    trial: Callable[[Random], bytes] = TRIALS[name]
+    for seed in range(_INPUTS):
+        trial(Random(f"{name} {seed}"))
