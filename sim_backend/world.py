@@ -123,7 +123,7 @@ class World:
         qpos = self.data.qpos
         roll, pitch = _roll_pitch(qpos[3:7])
         # Feet meet nothing but the ground and what lies on it.
-        touching = {int(geom) for pair in self.data.contact.geom for geom in pair}
+        touching = set(self.data.contact.geom.ravel().tolist())
         return Truth(
             time=float(self.data.time),
             base=Pose(float(qpos[0]), float(qpos[1]), float(qpos[2]), roll, pitch, self._yaw),
@@ -184,7 +184,7 @@ def _spec(model: RobotModel, friction: float, ground: Ground) -> mujoco.MjSpec:
     # The robot's geoms meet the ground (1 & 1) but not each other (their contype is 0).
     add_floor(spec, ground, sliding)
     spec.worldbody.add_light(pos=[0.5, -0.5, 2.0], dir=[-0.25, 0.25, -1.0], castshadow=True)
-    body = spec.worldbody.add_body(name="base")
+    body = spec.worldbody.add_body(name="base", sleep=mujoco.mjtSleepPolicy.mjSLEEP_NEVER)
     body.add_freejoint(name="base")
     box = model.body_box
     body.add_geom(

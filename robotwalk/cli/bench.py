@@ -6,12 +6,14 @@ from typing import Annotated, Any
 from cyclopts import App, Parameter
 
 from robotwalk import assembly
+from robotwalk.cli.course import course
 from robotwalk.cli.output import progress_line, say, write_json
 from robotwalk.errors import UsageError
 from robotwalk.loop import Tick
 from robotwalk.robot import LONGEST_WALK, Robot
 
-app = App(name="bench", help="Measure the tick, the bus or the simulation on this computer.")
+app = App(name="bench", help="Measure the tick, the bus, the simulation or a robot on the courses.")
+app.command(course)
 
 _STANDING_UP_S = 3.0  # roughly; only the progress line relies on it
 Json = Annotated[bool, Parameter(name="--json", negative="", help="one JSON object on stdout")]
