@@ -3,7 +3,8 @@
 Limbs are flat areas of a few tones, painted from far to near over a tiled ground with soft shadows.
 Every area is the exact outline of "lit at least this much" on its solid, so the tones meet without seams.
 Whatever could fade smoothly goes in steps: few colours keep a GIF small.
-Drawn: planes (the first one, as the ground), boxes, capsules, spheres. Other geoms are left out.
+Drawn: planes (the first one, as the ground), boxes, capsules, spheres, and the shapes of a ground, over which
+the robot is always seen. Other geoms are left out.
 """
 
 import math
@@ -13,19 +14,25 @@ import mujoco
 import numpy as np
 from PIL import Image, ImageChops, ImageDraw, ImageFilter
 
+from sim_backend.relief import TILE_M, Relief
 from sim_backend.solids import LIGHT, Array, Box, Capsule, Solid, unit
+from sim_backend.terrain.build import GROUP
+from sim_backend.terrain.course import FLAT, Ground
 
 Colour = tuple[int, int, int]
 
 AZIMUTH_DEG = 118.0  # three-quarter view: a robot that walks along x comes towards the viewer's right
+UPHILL_DEG = 60.0  # from behind: risers face the viewer, and the robot is before them
 ELEVATION_DEG = -31.0
-TILE_M = 0.1
 
 _SUPERSAMPLING = 2
 _SKY: Colour = (226, 233, 240)  # where the ground fades out
 _FLOOR: Colour = (247, 249, 251)
 _INK: Colour = (38, 56, 84)  # tiles and shadows
 _TRAIL: Colour = (240, 178, 122)
+_SLIPPERY: Colour = (70, 150, 215)
+_FAR_RELIEF = 0.4  # how much of the ground's shades is seen far away
+_FOOTING_M = 0.15  # the ground is taken as plane so far around the robot, for its shadow
 _TILES = 32  # to each side of the robot
 _TILE_DARKNESS = 14  # of 255
 _SHADOW_DARKNESS = 75  # of 255
@@ -47,6 +54,7 @@ class View(NamedTuple):
     distance: float  # m, from the camera to the target
     reach: float  # m, how far the robot extends around the target
     trail: Array  # (n, 3), m, where the body has been
+    azimuth_deg: float = AZIMUTH_DEG
 
 
 class Painter(Protocol):
@@ -61,7 +69,7 @@ class Camera:
     """A pinhole camera; x goes right and y down in the picture, in pixels."""
 
     def __init__(self, view: View, fovy_deg: float, size: tuple[int, int]) -> None:
-        azimuth, elevation = math.radians(AZIMUTH_DEG), math.radians(ELEVATION_DEG)
+        azimuth, elevation = math.radians(view.azimuth_deg), math.radians(ELEVATION_DEG)
         level = math.cos(elevation)
         forward = np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)])
         right = np.array([math.sin(azimuth), -math.cos(azimuth), 0.0])
@@ -76,10 +84,15 @@ class Camera:
         pixels: Array = self._centre + self._focal * seen[:, :2] / seen[:, 2:]
         return pixels
 
-    def fill(self, draw: ImageDraw.ImageDraw, polygon: Array, colour: Colour | int) -> None:
-        """Draw a polygon (n, 3), unless it reaches behind the camera."""
-        if np.all((polygon - self.eye) @ self._axes[:, 2] > _NEAR_M):
-            draw.polygon(self.project(polygon).ravel().tolist(), fill=colour)
+    def fill(
+        self, draw: ImageDraw.ImageDraw, polygon: Array, colour: Colour | int, outline: int | None = None
+    ) -> None:
+        """Draw what of a polygon (n, 3) is before the camera."""
+        depth = (polygon - self.eye) @ self._axes[:, 2] - _NEAR_M
+        if depth.min() < 0.0:
+            polygon = _cut(polygon, depth)
+        if len(polygon) > 2:
+            draw.polygon(self.project(polygon).ravel().tolist(), fill=colour, outline=outline)
 
     def project_lines(self, starts: Array, ends: Array) -> tuple[Array, Array]:
         """Return the pixels (m, 2) of the ends of line segments (n, 3), less what lies behind the camera."""
@@ -95,15 +108,18 @@ class Camera:
 class CapsulePainter:
     """Paints the model's geoms; see the module."""
 
-    def __init__(self, model: mujoco.MjModel, size: tuple[int, int]) -> None:
+    def __init__(self, model: mujoco.MjModel, size: tuple[int, int], ground: Ground = FLAT) -> None:
         self._model = model
+        self._ground_shape, self._relief = ground, Relief(ground) if ground.shapes else None
         self._size = (size[0] * _SUPERSAMPLING, size[1] * _SUPERSAMPLING)
         self._fovy_deg = float(model.vis.global_.fovy)
         shown = (model.geom_group < _DEFAULT_GROUPS) & (model.geom_rgba[:, 3] > 0.0)
+        if self._relief is not None:
+            shown &= model.geom_group != GROUP
         self._geoms = [int(geom) for geom in np.flatnonzero(shown)]
         planes = np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE)
         self._ground = int(planes[0]) if planes.size else None
-        self._floor, self._fade = _floor(self._size), _tile_strength(size)
+        self._floor, self._fade, self._haze = _floor(self._size), _tile_strength(size), _relief_strength(self._size)
 
     def paint(self, data: mujoco.MjData, view: View) -> Image.Image:
         """Return an RGB picture of the film's size."""
@@ -132,9 +148,10 @@ class CapsulePainter:
     def _solids(self, data: mujoco.MjData) -> dict[int, Solid]:
         """Return what is to be painted, by geom; limbs begin where they leave the body's box."""
         solids = {geom: solid for geom in self._geoms if (solid := self._solid(geom, data)) is not None}
-        for box in [solid for solid in solids.values() if isinstance(solid, Box)]:
+        root = self._model.body_rootid[self._model.geom_bodyid]
+        for own, box in [(root[geom], solid) for geom, solid in solids.items() if isinstance(solid, Box)]:
             for geom, solid in solids.items():
-                if isinstance(solid, Capsule):
+                if isinstance(solid, Capsule) and root[geom] == own:
                     solids[geom] = solid.outside(box)
         return solids
 
@@ -159,10 +176,19 @@ class CapsulePainter:
             origin, axes = data.geom_xpos[self._ground].copy(), data.geom_xmat[self._ground].reshape(3, 3).T
         stripes = [self._stripes(camera, view.target, origin, axes[[along, 1 - along]]) for along in (0, 1)]
         tiles = ImageChops.multiply(ImageChops.difference(*stripes), self._fade)
-        tiles = tiles.resize(self._size, Image.Resampling.NEAREST)
+        shade = tiles.resize(self._size, Image.Resampling.NEAREST)
         picture = self._floor.copy()
-        picture.paste(_INK, mask=ImageChops.add(tiles, self._shadows(camera, origin, axes[2], solids)))
         trail = view.trail - ((view.trail - origin) @ axes[2])[:, None] * axes[2]
+        normal = axes[2]
+        if self._relief is not None:
+            tint = self._relief.paint(camera, view.target, view.distance, shade)
+            shade = ImageChops.multiply(shade, self._haze)
+            if tint is not None:
+                picture.paste(_SLIPPERY, mask=tint)
+            origin, normal = _footing(self._ground_shape, view.target)
+            heights = [self._ground_shape.height(x, y) for x, y in view.trail[:, :2].tolist()]
+            trail = np.column_stack([view.trail[:, :2], heights])
+        picture.paste(_INK, mask=ImageChops.add(shade, self._shadows(camera, origin, normal, solids)))
         draw = ImageDraw.Draw(picture)
         for start, end in zip(*camera.project_lines(trail[:-1], trail[1:]), strict=True):
             draw.line([*start, *end], fill=_TRAIL, width=2 * _SUPERSAMPLING)
@@ -195,6 +221,27 @@ class CapsulePainter:
         return soft.point([step * round(value / step) for value in range(256)])
 
 
+def _cut(polygon: Array, depth: Array) -> Array:
+    """Return the part of a polygon (n, 3) whose `depth` (n) is not negative (Sutherland and Hodgman)."""
+    corners = []
+    for first, second, here, there in zip(
+            polygon, np.roll(polygon, -1, axis=0), depth, np.roll(depth, -1), strict=True):
+        if here >= 0.0:
+            corners.append(first)
+        if (here < 0.0) != (there < 0.0):
+            corners.append(first + here / (here - there) * (second - first))
+    return np.array(corners)
+
+
+def _footing(ground: Ground, target: Array) -> tuple[Array, Array]:
+    """Return a point and the normal of the plane that the ground is, roughly, around a place."""
+    x, y = float(target[0]), float(target[1])
+    ahead, behind, left, right = (
+        ground.height(x + dx * _FOOTING_M, y + dy * _FOOTING_M) for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)))
+    slope = np.array([behind - ahead, right - left, 2.0 * _FOOTING_M])
+    return np.array([x, y, 0.25 * (ahead + behind + left + right)]), unit(slope)
+
+
 def _floor(size: tuple[int, int]) -> Image.Image:
     """Return the ground without tiles; it fades into the sky towards the top."""
     near = _steps(np.linspace(0.0, 1.0, size[1]) / 0.6)[:, None, None]
@@ -206,6 +253,13 @@ def _tile_strength(size: tuple[int, int]) -> Image.Image:
     """Return how much of the tiles is seen, as a mask."""
     near = _steps((np.linspace(0.0, 1.0, size[1]) - 0.25) / 0.45)[:, None]
     return Image.fromarray(np.repeat(255.0 * near, size[0], axis=1).astype(np.uint8))
+
+
+def _relief_strength(size: tuple[int, int]) -> Image.Image:
+    """Return how much of the shades of a ground is seen, as a mask."""
+    near = _steps(np.linspace(0.0, 1.0, size[1]) / 0.6)[:, None]
+    rows = 255.0 * (_FAR_RELIEF + (1.0 - _FAR_RELIEF) * near)
+    return Image.fromarray(np.repeat(rows, size[0], axis=1).astype(np.uint8))
 
 
 def _steps(share: Array) -> Array:

@@ -17,8 +17,10 @@ import numpy as np
 from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from robotwalk.errors import UsageError
-from sim_backend.drawing import AZIMUTH_DEG, ELEVATION_DEG, TILE_M, CapsulePainter, Painter, View
+from sim_backend.drawing import AZIMUTH_DEG, ELEVATION_DEG, UPHILL_DEG, CapsulePainter, Painter, View
+from sim_backend.relief import TILE_M
 from sim_backend.solids import Array
+from sim_backend.terrain.course import FLAT, Ground
 
 _MAX_FPS = 50  # common viewers slow a GIF down whose frames last less than 20 ms
 _FOLLOW_S = 0.5  # the camera follows the body's path, smoothed by a Gaussian of this width
@@ -47,10 +49,12 @@ class Shot(NamedTuple):
 class Film:
     """Poses of one model at `fps` frames per second of simulated time."""
 
-    def __init__(self, model: mujoco.MjModel, *, fps: int = 20, size: tuple[int, int] = (480, 320)) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, *, ground: Ground = FLAT, fps: int = 20, size: tuple[int, int] = (480, 320),
+    ) -> None:
         if not 1 <= fps <= _MAX_FPS:
             raise UsageError(f"a film has 1 to {_MAX_FPS} frames per second, not {fps}")
-        self._model = model
+        self._model, self._ground = model, ground
         self._fps = fps
         self._size = size
         self._shots: list[Shot] = []
@@ -82,7 +86,7 @@ class Film:
         if not self._shots:
             raise UsageError(f"cannot write {path}: the film has no frames")
         check_writable(path)
-        with _painter(self._model, self._size) as painter:
+        with _painter(self._model, self._size, self._ground) as painter:
             content = self._encode(painter, progress or (lambda share: None))
         try:
             path.write_bytes(content)
@@ -91,7 +95,8 @@ class Film:
 
     def _encode(self, painter: Painter, progress: Callable[[float], None]) -> bytes:
         data = mujoco.MjData(self._model)
-        views = _views(self._model, data, self._shots, self._fps)
+        azimuth = UPHILL_DEG if self._ground.shapes else AZIMUTH_DEG
+        views = _views(self._model, data, self._shots, self._fps, azimuth)
 
         def draw(number: int) -> Image.Image:
             shot = self._shots[number]
@@ -145,7 +150,8 @@ def check_writable(path: Path) -> None:
 class GlPainter:
     """Paints with MuJoCo's renderer, on the GL that MuJoCo chose when it was imported (see MUJOCO_GL)."""
 
-    def __init__(self, model: mujoco.MjModel, size: tuple[int, int]) -> None:
+    def __init__(self, model: mujoco.MjModel, size: tuple[int, int], ground: Ground) -> None:
+        self._ground = ground
         self._model = copy.copy(model)  # the light and the ground's colour are the film's own
         self._model.vis.quality.shadowsize = 1024  # the default, 4096, takes 0.1 s a frame in software
         self._model.vis.headlight.ambient[:] = 0.4
@@ -158,7 +164,7 @@ class GlPainter:
         camera = mujoco.MjvCamera()
         camera.type = mujoco.mjtCamera.mjCAMERA_FREE
         camera.lookat[:] = view.target
-        camera.distance, camera.azimuth, camera.elevation = view.distance, AZIMUTH_DEG, ELEVATION_DEG
+        camera.distance, camera.azimuth, camera.elevation = view.distance, view.azimuth_deg, ELEVATION_DEG
         mujoco.mj_comPos(self._model, data)  # lights may follow a centre of mass
         mujoco.mj_camlight(self._model, data)
         self._renderer.update_scene(data, camera)
@@ -166,12 +172,17 @@ class GlPainter:
         return Image.fromarray(self._renderer.render())
 
     def _add_tiles(self, target: Array) -> None:
-        """Lay every other tile on the ground, level at z = 0, so that the robot is seen to move."""
+        """Lay every other tile on the ground where it is level, so that the robot is seen to move."""
         scene = self._renderer.scene
         first, second = (2 * round(float(target[axis]) / (2.0 * TILE_M)) for axis in (0, 1))
         for column in range(first - _GL_TILES, first + _GL_TILES):
             for row in range(second - _GL_TILES + column % 2, second + _GL_TILES, 2):
-                centre = np.array([(column + 0.5) * TILE_M, (row + 0.5) * TILE_M, 0.0])
+                heights = {
+                    self._ground.height((column + dx) * TILE_M, (row + dy) * TILE_M)
+                    for dx in (0.01, 0.99) for dy in (0.01, 0.99)}
+                if len(heights) > 1:
+                    continue
+                centre = np.array([(column + 0.5) * TILE_M, (row + 0.5) * TILE_M, heights.pop()])
                 size = np.array([0.5 * TILE_M, 0.5 * TILE_M, _GL_TILE_HEIGHT_M])
                 kind = mujoco.mjtGeom.mjGEOM_BOX
                 mujoco.mjv_initGeom(scene.geoms[scene.ngeom], kind, size, centre, np.eye(3).ravel(), _GL_TILE)
@@ -183,11 +194,11 @@ class GlPainter:
 
 
 @contextlib.contextmanager
-def _painter(model: mujoco.MjModel, size: tuple[int, int]) -> Iterator[Painter]:
+def _painter(model: mujoco.MjModel, size: tuple[int, int], ground: Ground) -> Iterator[Painter]:
     """Provide MuJoCo's renderer where it works, else the painter that needs no GL."""
-    gl_painter = _open_gl_painter(model, size) if _gl_is_likely() else None
+    gl_painter = _open_gl_painter(model, size, ground) if _gl_is_likely() else None
     if gl_painter is None:
-        yield CapsulePainter(model, size)
+        yield CapsulePainter(model, size, ground)
         return
     with contextlib.closing(gl_painter):
         yield gl_painter
@@ -201,10 +212,10 @@ def _gl_is_likely() -> bool:
     return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def _open_gl_painter(model: mujoco.MjModel, size: tuple[int, int]) -> GlPainter | None:
+def _open_gl_painter(model: mujoco.MjModel, size: tuple[int, int], ground: Ground) -> GlPainter | None:
     with _silence():
         try:
-            return GlPainter(model, size)
+            return GlPainter(model, size, ground)
         except Exception:  # each GL backend fails in its own way: AttributeError, FatalError, GLError
             return None
 
@@ -229,7 +240,9 @@ def _pose(model: mujoco.MjModel, data: mujoco.MjData, shot: Shot) -> None:
     mujoco.mj_kinematics(model, data)
 
 
-def _views(model: mujoco.MjModel, data: mujoco.MjData, shots: list[Shot], fps: int) -> list[View]:
+def _views(
+    model: mujoco.MjModel, data: mujoco.MjData, shots: list[Shot], fps: int, azimuth_deg: float
+) -> list[View]:
     """Plan the camera's way: it follows the body smoothly and keeps its direction and distance."""
     free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)
     body = int(model.jnt_bodyid[free[0]]) if free.size else min(1, model.nbody - 1)
@@ -244,7 +257,7 @@ def _views(model: mujoco.MjModel, data: mujoco.MjData, shots: list[Shot], fps: i
     distance = _FRAMING * reach / math.tan(math.radians(model.vis.global_.fovy) / 2.0)
     targets = _smooth(path, _FOLLOW_S * fps) - np.array([0.0, 0.0, _LOWERED * reach])
     return [
-        View(targets[number], distance, reach, path[max(0, number + 1 - _TRAIL_FRAMES) : number + 1])
+        View(targets[number], distance, reach, path[max(0, number + 1 - _TRAIL_FRAMES) : number + 1], azimuth_deg)
         for number in range(len(shots))
     ]
 

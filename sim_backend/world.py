@@ -82,7 +82,7 @@ class World:
         self.model.dof_solimp[self._speeds, :2] = 0.999, 0.9999
         self.model.dof_solref[self._speeds, 0] = 2.0 * spec.option.timestep
         self._feet = [self.model.geom(f"{leg.name}_foot").id for leg in model.legs]
-        self._ground, self._body_box = ground, model.body_box
+        self.ground, self._body_box = ground, model.body_box
         self._base = self.model.body("base").id
         self._yaw = 0.0
         self._steps = 0
@@ -139,13 +139,13 @@ class World:
 
         A single point would take a block, or the ditch between two, for all of the ground.
         """
-        if not self._ground.shapes:
-            return self._ground.floor
+        if not self.ground.shapes:
+            return self.ground.floor
         x, y = self.data.qpos[:2].tolist()
         ahead, aside = 0.5 * self._body_box.x, 0.5 * self._body_box.y
         c, s = math.cos(self._yaw), math.sin(self._yaw)
         heights = [
-            self._ground.height(x + c * dx - s * dy, y + s * dx + c * dy)
+            self.ground.height(x + c * dx - s * dy, y + s * dx + c * dy)
             for dx in (-ahead, 0.0, ahead) for dy in (-aside, 0.0, aside)]
         return math.fsum(heights) / len(heights)
 

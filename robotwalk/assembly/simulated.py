@@ -140,7 +140,7 @@ def film(world: "SimulatedRobot") -> "Film":
     """Return a film of a simulated robot, still empty."""
     from sim_backend.film import Film
 
-    return Film(world.world.model)
+    return Film(world.world.model, ground=world.world.ground)
 
 
 def check_film(path: Path) -> None:
