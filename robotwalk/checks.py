@@ -4,19 +4,22 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from robotwalk.chain import foot_position
 from robotwalk.config.document import Document
 from robotwalk.config.schema import AnyGaitConfig, GaitConfig, RobotConfig
 from robotwalk.controller import Controller
 from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait
-from robotwalk.kinematics import Solution, foot_position, resting_angles, solver_for
+from robotwalk.kinematics import closed_form_for, resting_angles, solver_for
 from robotwalk.model import Leg, RobotModel
+from robotwalk.reach import Solution
 from robotwalk.supervisor import State
 from robotwalk.support import centre_of_mass, support_margin
 from robotwalk.types import LEVEL, Command, Twist, Vec3
 
 _DIRECTIONS = 24  # in which strides are tried
 _TICK = 0.01  # s
+REACHED = 1e-4  # m; a foot that misses its target by less is there
 _SETTLING = 3.0  # s until a walk is steady
 _MOMENTS = tuple(index / 20.0 for index in range(21))  # of a swing
 
@@ -64,8 +67,16 @@ def require_reachable(document: Document, model: RobotModel) -> None:
     """Check that the feet's rest positions can be reached, seated and standing.
 
     Raises:
-        ConfigError: a leg has no inverse kinematics, is too short or too long, or a joint would leave its limits.
+        ConfigError: a leg has no closed form though one is asked for, is too short or too long, or a joint would leave
+            its limits.
     """
+    for leg in model.legs:
+        if leg.solver == "closed_form" and closed_form_for(leg) is None:
+            axes = ", ".join(joint.axis.name.lower() for joint in leg.joints)
+            raise document.error(
+                ("locomotion", "solver"), f"leg {leg.name} has no closed form for the chain ({axes}); known: yaw, "
+                "pitch, pitch with links along x; roll, pitch, pitch with links along y, -z, -z and a knee bent at "
+                "rest; any chain has ccd", leg.solver)
     for height, name in ((model.heights.stand, "stand"), (model.heights.sit, "sit")):
         for leg in model.legs:
             target = leg.rest_foot._replace(z=model.foot_radius - height)
@@ -73,7 +84,7 @@ def require_reachable(document: Document, model: RobotModel) -> None:
             path = ("locomotion", "feet", leg.name, "rest_mm")
             got = document.value(path)
             posture = f"at the {name} height of {1000.0 * height:.0f} mm"
-            if solution.miss > 1e-9:
+            if solution.miss > REACHED:
                 raise document.error(
                     path, f"unreachable stance: {posture} leg {leg.name} misses the foot's rest position by "
                     f"{1000.0 * solution.miss:.0f} mm", got)

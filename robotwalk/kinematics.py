@@ -1,30 +1,21 @@
-"""From joint angles to the foot and back, one leg at a time, in the base frame.
+"""From the feet to the joints, one leg at a time, in the base frame.
 
-Forward kinematics takes any serial chain. Inverse kinematics is closed form for each kind of leg that has
-one; `solver_for` picks it by the chain's axes and links (locomotion sources: PPS section 3, PARAM's leg).
+A closed form where the chain has one, cyclic coordinate descent for any other; a robot's file may choose (locomotion
+sources: PPS section 3, PARAM's leg).
 """
 
-import math
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
-from robotwalk.errors import ConfigError
-from robotwalk.model import Axis, Leg, RobotModel
+from robotwalk.ccd import CyclicDescent
+from robotwalk.closed_forms import CoxaFemurTibia, HipAbduction
+from robotwalk.model import Leg, RobotModel
+from robotwalk.reach import Solution
 from robotwalk.types import Vec3
-
-# A leg stretched to its very end has no speed left along itself; IK stays this far off, in metres.
-_STRETCH_MARGIN = 1e-6
-
-
-class Solution(NamedTuple):
-    """Joint angles that bring the foot to a target, or as near as the leg's lengths allow."""
-
-    angles: tuple[float, ...]  # rad, from the body to the foot
-    miss: float  # m from the target to where the foot is; 0 within reach
 
 
 class LegSolver(Protocol):
-    """Both kinematics of one leg, in closed form."""
+    """Both kinematics of one leg."""
 
     def foot(self, angles: Sequence[float]) -> Vec3:
         """Return what `foot_position` does, faster."""
@@ -35,166 +26,7 @@ class LegSolver(Protocol):
         ...
 
 
-def foot_position(leg: Leg, angles: Sequence[float]) -> Vec3:
-    """Return the foot's centre in the base frame, m, for joint angles in rad."""
-    return chain_points(leg, angles)[-1]
-
-
-def chain_points(leg: Leg, angles: Sequence[float]) -> list[Vec3]:
-    """Return each joint's origin and at last the foot's centre, in the base frame, m."""
-    points = [leg.mount]
-    # Columns of the rotation from the current link to the base.
-    c, s = math.cos(leg.yaw), math.sin(leg.yaw)
-    x, y, z = leg.mount
-    ax, ay, az = (c, s, 0.0), (-s, c, 0.0), (0.0, 0.0, 1.0)
-    for joint, angle in zip(leg.joints, angles, strict=True):
-        c, s = math.cos(angle), math.sin(angle)
-        if joint.axis is Axis.YAW:
-            ax, ay = _turn(ax, ay, c, s)
-        elif joint.axis is Axis.PITCH:
-            az, ax = _turn(az, ax, c, s)
-        else:
-            ay, az = _turn(ay, az, c, s)
-        lx, ly, lz = joint.link
-        x += ax[0] * lx + ay[0] * ly + az[0] * lz
-        y += ax[1] * lx + ay[1] * ly + az[1] * lz
-        z += ax[2] * lx + ay[2] * ly + az[2] * lz
-        points.append(Vec3(x, y, z))
-    return points
-
-
-_Column = tuple[float, float, float]
-
-
-def _turn(first: _Column, second: _Column, c: float, s: float) -> tuple[_Column, _Column]:
-    """Rotate two axes by an angle from the first towards the second."""
-    return (
-        (c * first[0] + s * second[0], c * first[1] + s * second[1], c * first[2] + s * second[2]),
-        (c * second[0] - s * first[0], c * second[1] - s * first[1], c * second[2] - s * first[2]),
-    )
-
-
-class _Triangle:
-    """A leg's two last links and the line from the first one's joint to the foot, in the plane they bend in.
-
-    Where no triangle closes, that line is cut to what the lengths allow and keeps its direction: the leg points
-    at what it cannot reach.
-    """
-
-    def __init__(self, first: float, second: float) -> None:
-        self._longest = first + second - _STRETCH_MARGIN
-        self._shortest = abs(first - second) + _STRETCH_MARGIN
-        self._two_first = 2.0 * first
-        self._two_both = 2.0 * first * second
-        self._squares_difference = first * first - second * second
-        self._squares_sum = first * first + second * second
-
-    def solve(self, d: float) -> tuple[float, float, float]:
-        """Return the angle from a line of d m to the first link, the knee's bend, and by how much d was cut, m."""
-        clamped = min(max(d, self._shortest), self._longest)
-        square = clamped * clamped
-        at_first = math.acos((self._squares_difference + square) / (self._two_first * clamped))
-        knee = math.acos((self._squares_sum - square) / self._two_both)
-        return at_first, math.pi - knee, abs(d - clamped)
-
-
-class CoxaFemurTibia:
-    """Closed form for yaw, pitch, pitch with straight links: the arthropod leg, knee up."""
-
-    def __init__(self, leg: Leg) -> None:
-        coxa, femur, tibia = (joint.link.x for joint in leg.joints)
-        self._mount = leg.mount
-        self._cos, self._sin = math.cos(leg.yaw), math.sin(leg.yaw)
-        self._coxa, self._femur, self._tibia = coxa, femur, tibia
-        self._triangle = _Triangle(femur, tibia)
-
-    @staticmethod
-    def fits(leg: Leg) -> bool:
-        """Tell whether this solver takes the leg."""
-        axes = tuple(joint.axis for joint in leg.joints)
-        straight = all(joint.link.x > 0.0 and joint.link.y == joint.link.z == 0.0 for joint in leg.joints)
-        return axes == (Axis.YAW, Axis.PITCH, Axis.PITCH) and straight
-
-    def foot(self, angles: Sequence[float]) -> Vec3:
-        """Return the foot's centre in the base frame, m."""
-        coxa, femur, tibia = angles
-        shin = femur + tibia
-        reach = self._coxa + self._femur * math.cos(femur) + self._tibia * math.cos(shin)
-        out, side = reach * math.cos(coxa), reach * math.sin(coxa)
-        mount, c, s = self._mount, self._cos, self._sin
-        drop = self._femur * math.sin(femur) + self._tibia * math.sin(shin)
-        return Vec3(mount.x + c * out - s * side, mount.y + s * out + c * side, mount.z - drop)
-
-    def solve(self, x: float, y: float, z: float) -> Solution:
-        """Return the angles for a foot centre at (x, y, z) m in the base frame."""
-        mount = self._mount
-        x -= mount.x
-        y -= mount.y
-        z -= mount.z
-        out = self._cos * x + self._sin * y
-        side = self._cos * y - self._sin * x
-        reach = math.sqrt(out * out + side * side) - self._coxa
-        shoulder, bend, miss = self._triangle.solve(math.sqrt(reach * reach + z * z))
-        return Solution((math.atan2(side, out), -math.atan2(z, reach) - shoulder, bend), miss)
-
-
-class HipAbduction:
-    """Closed form for roll, pitch, pitch: the quadruped's leg, its thigh beside the hip's axis.
-
-    The hip's roll turns the plane in which thigh and calf bend about the leg's x axis, at the distance of the
-    hip's lateral link. The foot is taken to be on the lower side of the hip; the knee bends as at rest.
-    """
-
-    def __init__(self, leg: Leg) -> None:
-        hip, thigh, calf = leg.joints
-        self._mount = leg.mount
-        self._cos, self._sin = math.cos(leg.yaw), math.sin(leg.yaw)
-        self._offset, self._thigh, self._calf = hip.link.y, -thigh.link.z, -calf.link.z
-        self._knee_back = 1.0 if calf.rest < 0.0 else -1.0
-        self._triangle = _Triangle(self._thigh, self._calf)
-
-    @staticmethod
-    def fits(leg: Leg) -> bool:
-        """Tell whether this solver takes the leg."""
-        if tuple(joint.axis for joint in leg.joints) != (Axis.ROLL, Axis.PITCH, Axis.PITCH):
-            return False
-        hip, *shanks = leg.joints
-        hanging = all(joint.link.z < 0.0 and joint.link.x == joint.link.y == 0.0 for joint in shanks)
-        return hip.link.x == hip.link.z == 0.0 and hanging and shanks[-1].rest != 0.0
-
-    def foot(self, angles: Sequence[float]) -> Vec3:
-        """Return the foot's centre in the base frame, m."""
-        hip, thigh, calf = angles
-        shin = thigh + calf
-        ahead = -self._thigh * math.sin(thigh) - self._calf * math.sin(shin)
-        drop = self._thigh * math.cos(thigh) + self._calf * math.cos(shin)
-        side = self._offset * math.cos(hip) + drop * math.sin(hip)
-        mount, c, s = self._mount, self._cos, self._sin
-        return Vec3(
-            mount.x + c * ahead - s * side, mount.y + s * ahead + c * side,
-            mount.z + self._offset * math.sin(hip) - drop * math.cos(hip))
-
-    def solve(self, x: float, y: float, z: float) -> Solution:
-        """Return the angles for a foot centre at (x, y, z) m in the base frame."""
-        mount = self._mount
-        x -= mount.x
-        y -= mount.y
-        z -= mount.z
-        ahead = self._cos * x + self._sin * y
-        side = self._cos * y - self._sin * x
-        square = side * side + z * z - self._offset * self._offset
-        drop = math.sqrt(max(square, 0.0))
-        hip = math.atan2(z, side) - math.atan2(-drop, self._offset)
-        shoulder, bend, miss = self._triangle.solve(math.sqrt(ahead * ahead + drop * drop))
-        if square < 0.0:
-            # Nearer to the hip's axis than the leg's plane ever comes.
-            miss = math.hypot(miss, abs(self._offset) - math.hypot(side, z))
-        back = self._knee_back
-        thigh = math.atan2(-ahead, drop) + back * shoulder
-        return Solution((math.remainder(hip, math.tau), thigh, -back * bend), miss)
-
-
-_SOLVERS: tuple[type[CoxaFemurTibia] | type[HipAbduction], ...] = (CoxaFemurTibia, HipAbduction)
+_CLOSED_FORMS: tuple[type[CoxaFemurTibia] | type[HipAbduction], ...] = (CoxaFemurTibia, HipAbduction)
 
 
 def resting_angles(model: RobotModel, height: float) -> list[float]:
@@ -206,16 +38,11 @@ def resting_angles(model: RobotModel, height: float) -> list[float]:
     return angles
 
 
-def solver_for(leg: Leg) -> LegSolver:
-    """Return the closed form for a leg.
+def closed_form_for(leg: Leg) -> LegSolver | None:
+    """Return the closed form for a leg's chain, if there is one."""
+    return next((closed_form(leg) for closed_form in _CLOSED_FORMS if closed_form.fits(leg)), None)
 
-    Raises:
-        ConfigError: there is none for its chain.
-    """
-    for solver in _SOLVERS:
-        if solver.fits(leg):
-            return solver(leg)
-    axes = ", ".join(joint.axis.name.lower() for joint in leg.joints)
-    raise ConfigError(
-        f"leg {leg.name}: no inverse kinematics for the chain ({axes}); known: yaw, pitch, pitch with links along x; "
-        "roll, pitch, pitch with links along y, -z, -z and a knee bent at rest")
+
+def solver_for(leg: Leg) -> LegSolver:
+    """Return a solver for one leg: the closed form for its chain, if there is one and its file does not forbid it."""
+    return (None if leg.solver == "ccd" else closed_form_for(leg)) or CyclicDescent(leg)

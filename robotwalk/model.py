@@ -10,7 +10,7 @@ from enum import Enum
 from functools import cached_property
 from typing import NamedTuple
 
-from robotwalk.config.schema import FootfallConfig, LegConfig, RobotConfig, SwingPathConfig
+from robotwalk.config.schema import LegConfig, LocomotionConfig, RobotConfig, Solver
 from robotwalk.swing_paths import SwingPath, swing_path
 from robotwalk.types import Vec3
 
@@ -49,6 +49,7 @@ class Leg:
     max_stride: float  # m
     lift: float  # m
     swing_path: SwingPath
+    solver: Solver | None  # of inverse kinematics; None: a closed form where there is one, else ccd
 
     @property
     def span(self) -> slice:
@@ -123,7 +124,7 @@ class RobotModel:
         legs: list[Leg] = []
         first = 0
         for name, leg in skeleton.legs.items():
-            legs.append(_leg(name, leg, motion.feet[name], first, foot_radius - heights.stand, motion.swing_path))
+            legs.append(_leg(name, leg, motion, first, foot_radius - heights.stand))
             first += len(leg.joints)
         return cls(
             name=config.name,
@@ -151,9 +152,8 @@ def _vector(millimetres: tuple[float, float, float]) -> Vec3:
     return Vec3(*(_metres(value) for value in millimetres))
 
 
-def _leg(
-    name: str, leg: LegConfig, footfall: FootfallConfig, first: int, foot_z: float, path: SwingPathConfig
-) -> Leg:
+def _leg(name: str, leg: LegConfig, motion: LocomotionConfig, first: int, foot_z: float) -> Leg:
+    footfall = motion.feet[name]
     mount, yaw = _vector(leg.mount_mm), math.radians(leg.yaw_deg)
     out, side = (_metres(value) for value in footfall.rest_mm)
     c, s = math.cos(yaw), math.sin(yaw)
@@ -179,5 +179,6 @@ def _leg(
         rest_foot=Vec3(mount.x + c * out - s * side, mount.y + s * out + c * side, foot_z),
         max_stride=_metres(footfall.max_stride_mm),
         lift=_metres(footfall.lift_mm),
-        swing_path=swing_path(footfall.swing_path or path),
+        swing_path=swing_path(footfall.swing_path or motion.swing_path),
+        solver=motion.solver,
     )

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from robotwalk.kinematics import chain_points
+from robotwalk.chain import chain_points
 from robotwalk.model import RobotModel
 from robotwalk.types import Vec3
 

@@ -73,7 +73,7 @@ def _problems(
     problems = []
     for reach in reaches:
         joint = reach.tightest
-        if reach.miss > 1e-9:
+        if reach.miss > checks.REACHED:
             problems.append(f"gait {reach.gait}: the longest stride is {1e3 * reach.miss:.0f} mm out of reach")
         if joint.margin < 0.0:
             problems.append(
@@ -145,7 +145,7 @@ def _show(
         ["gait", "top speed", "reach", "tightest joint", "its margin", "balance"],
         [
             [reach.gait, f"{reach.top_speed:.2f} m/s",
-             "ok" if reach.miss < 1e-9 else f"{1e3 * reach.miss:.0f} mm short",
+             "ok" if reach.miss <= checks.REACHED else f"{1e3 * reach.miss:.0f} mm short",
              reach.tightest.joint, f"{math.degrees(reach.tightest.margin):.1f} deg",
              "dynamic" if balance.margin is None else f"{1e3 * balance.margin:.0f} mm"]
             for reach, balance in zip(reaches, balances, strict=True)

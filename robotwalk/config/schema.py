@@ -129,6 +129,9 @@ class FootfallConfig(Section):
     swing_path: SwingPathConfig | None = None  # None: as the others
 
 
+Solver = Literal["closed_form", "ccd"]
+
+
 class LocomotionConfig(Section):
     """How the robot may move."""
 
@@ -139,6 +142,7 @@ class LocomotionConfig(Section):
     turn_acceleration_deg_s2: Positive
     min_swing_s: Positive
     swing_path: SwingPathConfig
+    solver: Solver | None = None  # of inverse kinematics; None: a closed form where there is one, else ccd
     feet: dict[str, FootfallConfig]
 
 

@@ -6,13 +6,14 @@ from typing import NamedTuple
 
 import pytest
 
+from robotwalk.chain import foot_position
 from robotwalk.config import library
 from robotwalk.config.schema import RobotConfig
 from robotwalk.controller import Controller, Wanted
 from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait
 from robotwalk.gait_rules import fitted, read_gait
-from robotwalk.kinematics import foot_position, resting_angles
+from robotwalk.kinematics import resting_angles
 from robotwalk.model import RobotModel
 from robotwalk.supervisor import State
 from robotwalk.types import Command, Pose, Vec3

@@ -99,9 +99,14 @@ def test_one_id_for_two_servos(tmp_path: Path) -> None:
     assert complaint.endswith("hardware.joints.rf_femur.id: already the id of lm_femur on bus 'legs' (got 5)")
 
 
-def test_no_solver_for_a_leg(tmp_path: Path) -> None:
-    broken = Broken(tmp_path, "coxa:  {axis: yaw,", "coxa:  {axis: roll,")
-    assert "leg lf: no inverse kinematics for the chain (roll, pitch, pitch)" in broken.complaint()
+def test_no_closed_form_for_a_leg_whose_file_asks_for_one(tmp_path: Path) -> None:
+    broken = Broken(tmp_path, "link_mm: [66, 0, 0]", "link_mm: [66, 1, 0]")
+    assembly.load(str(broken.path))  # by coordinate descent
+    broken.text = broken.text.replace("locomotion:\n", "locomotion:\n  solver: closed_form\n")
+    broken.path.write_text(broken.text)
+    where = broken.place("closed_form")
+    assert broken.complaint().startswith(
+        f"{where}: locomotion.solver: leg lf has no closed form for the chain (yaw, pitch, pitch)")
 
 
 GAIT = "schema: 1\nname: own\ndescription: x\nslowest_period_s: 1\nswing:\n"

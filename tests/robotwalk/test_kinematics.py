@@ -7,14 +7,17 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from robotwalk.errors import ConfigError
-from robotwalk.kinematics import chain_points, foot_position, resting_angles, solver_for
+from robotwalk.chain import chain_points, foot_position
+from robotwalk.kinematics import closed_form_for, resting_angles, solver_for
 from robotwalk.model import Axis, Joint, Leg, RobotModel
 from robotwalk.swing_paths import swing_path
 from robotwalk.types import Vec3
+from tests.shortening import assert_shortened
 
 LEGS = {"lf": 0, "lm": 1, "lr": 2, "rf": 3, "rm": 4, "rr": 5}
 HIP, FEMUR, TIBIA = 0.052, 0.066, 0.133
+# At this bend the leg is as long as it gets without being shortened: 0.98 of the way from 67 to 199 mm.
+KNEE = math.acos(((TIBIA + FEMUR - 0.02 * 2.0 * FEMUR)**2 - FEMUR**2 - TIBIA**2) / (2.0 * FEMUR * TIBIA)) + 1e-6
 
 angle = st.floats(-math.pi, math.pi)
 leg_index = st.integers(0, 5)
@@ -47,7 +50,7 @@ def test_foot_by_hand(hexapod: RobotModel, name: str, angles: tuple[float, ...],
 ])
 def test_a_quarter_turn_about_each_axis(axis: Axis, link: Vec3, foot: tuple[float, ...]) -> None:
     joint = Joint("j", axis, link, -2.0, 2.0, 0.0, 0.1, 0.01)
-    leg = Leg("one", Vec3(1.0, 2.0, 3.0), 0.0, (joint,), 0, Vec3(0.0, 0.0, 0.0), 0.1, 0.03, swing_path("ellipse"))
+    leg = Leg("one", Vec3(1.0, 2.0, 3.0), 0.0, (joint,), 0, Vec3(0.0, 0.0, 0.0), 0.1, 0.03, swing_path("ellipse"), None)
     assert foot_position(leg, degrees(90)) == pytest.approx(foot, abs=1e-12)
 
 
@@ -80,6 +83,7 @@ def test_inverse_kinematics_finds_every_foot_within_the_limits(
     leg = hexapod.legs[index]
     angles = [share_of_limits(joint, share) for joint, share in zip(leg.joints, shares, strict=True)]
     out = HIP + FEMUR * math.cos(angles[1]) + TIBIA * math.cos(angles[1] + angles[2])
+    assume(abs(angles[2]) > KNEE)
     assume(out > 0.001)  # the leg faces its foot; drawn in past the coxa's axis, a foot is reached facing away
     foot = foot_position(leg, angles)
     solution = solver_for(leg).solve(*foot)
@@ -90,7 +94,7 @@ def test_inverse_kinematics_finds_every_foot_within_the_limits(
 
 @given(
     leg_index, st.floats(-1.5, 1.5), st.floats(-math.pi, math.pi),
-    st.floats(0.001, 0.066) | st.floats(0.1991, 0.5) | st.sampled_from([0.067, 0.199]))
+    st.floats(0.001, 0.067) | st.floats(0.199, 0.5))
 def test_what_is_out_of_reach_is_pointed_at(
     hexapod: RobotModel, index: int, turn: float, drop: float, distance: float
 ) -> None:
@@ -104,11 +108,7 @@ def test_what_is_out_of_reach_is_pointed_at(
     solution = solver_for(leg).solve(*target)
     points = chain_points(leg, solution.angles)
     joint, foot = points[1], points[-1]
-    nearest = min(max(distance, TIBIA - FEMUR), TIBIA + FEMUR)
-    assert solution.miss == pytest.approx(abs(distance - nearest), abs=1.1e-6)
-    assert math.dist(foot, target) == pytest.approx(solution.miss, abs=1e-9)
-    on_ray = [j + (t - j) * nearest / distance for j, t in zip(joint, target, strict=True)]
-    assert math.dist(foot, on_ray) < 2e-6
+    assert_shortened(joint, foot, target, solution.miss, TIBIA - FEMUR, TIBIA + FEMUR)
 
 
 @given(leg_index, *[st.floats(allow_nan=False, allow_infinity=False, min_value=-1e6, max_value=1e6)] * 3)
@@ -123,7 +123,7 @@ def test_targets_on_the_coxa_axis_and_on_the_femur_joint(hexapod: RobotModel, in
     below = leg.mount._replace(z=-0.15)
     assert math.dist(foot_position(leg, solver_for(leg).solve(*below).angles), below) < 1e-6
     hip = chain_points(leg, (0.0, 0.0, 0.0))[1]
-    assert solver_for(leg).solve(*hip).miss == pytest.approx(TIBIA - FEMUR, abs=1.1e-6)
+    assert solver_for(leg).solve(*hip).miss == pytest.approx(TIBIA - FEMUR, abs=1e-4)
 
 
 def test_resting_angles_are_those_of_the_robots_file(hexapod: RobotModel) -> None:
@@ -135,7 +135,7 @@ def with_joints(leg: Leg, *joints: Joint) -> Leg:
     return replace(leg, joints=joints)
 
 
-def test_chains_without_a_closed_form_are_refused(hexapod: RobotModel) -> None:
+def test_chains_without_a_closed_form(hexapod: RobotModel) -> None:
     leg = hexapod.legs[0]
     coxa, femur, tibia = leg.joints
     for chain in (
@@ -147,5 +147,4 @@ def test_chains_without_a_closed_form_are_refused(hexapod: RobotModel) -> None:
         (coxa, femur, tibia._replace(link=Vec3(0.133, 0.0, -0.01))),
         (coxa._replace(link=Vec3(-0.052, 0.0, 0.0)), femur, tibia),
     ):
-        with pytest.raises(ConfigError, match="leg lf: no inverse kinematics for the chain"):
-            solver_for(with_joints(leg, *chain))
+        assert closed_form_for(with_joints(leg, *chain)) is None

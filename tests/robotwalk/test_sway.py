@@ -9,13 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from robotwalk.chain import foot_position
 from robotwalk.config import library
 from robotwalk.config.schema import GaitConfig, RobotConfig
 from robotwalk.controller import Controller, Wanted, twist_of
 from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait
 from robotwalk.gait_rules import fitted, read_gait
-from robotwalk.kinematics import foot_position, resting_angles
+from robotwalk.kinematics import resting_angles
 from robotwalk.model import RobotModel
 from robotwalk.supervisor import State
 from robotwalk.support import HalfPlane, centre_of_mass, nearest_inside, support_margin

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from robotwalk import assembly
+from robotwalk.chain import chain_points
 from robotwalk.checks import centre_of_mass
-from robotwalk.kinematics import chain_points, resting_angles
+from robotwalk.kinematics import resting_angles
 from sim_backend.world import steps_per_tick
 
 

@@ -1,0 +1,44 @@
+"""What a leg can reach, and what it does about what it cannot.
+
+A foot's distance from the joint that points the leg at it goes over into the leg's longest, or shortest, without a
+jump in speed: a leg that ran straight into its end would stop there at once, its knee at its fastest.
+"""
+
+import math
+from typing import NamedTuple
+
+_SOFT = 0.02  # of the way between shortest and longest, at either end
+# A leg stretched to its very end has no speed left along itself; IK stays this far off.
+_MARGIN = 1e-6  # m
+
+
+class Solution(NamedTuple):
+    """Joint angles that bring the foot to a target, or as near as the leg allows."""
+
+    angles: tuple[float, ...]  # rad, from the body to the foot
+    miss: float  # m from the target to where the foot is; 0 within reach
+
+
+class Reach(NamedTuple):
+    """How near and how far a foot can be from a joint, m."""
+
+    shortest: float
+    longest: float
+    soft: float  # width of the last bit at either end
+
+    @classmethod
+    def between(cls, shortest: float, longest: float) -> "Reach":
+        """Return the reach of a leg of these lengths."""
+        room = max(longest - shortest, 0.0)
+        margin = min(_MARGIN, 0.25 * room)
+        return cls(shortest + margin, longest - margin, max(_SOFT * room, _MARGIN))
+
+    def soften(self, distance: float) -> float:
+        """Return the distance to go to: the same, but for the ends (C1, and never beyond them)."""
+        beyond = distance - self.longest + self.soft
+        if beyond > 0.0:
+            return self.longest - self.soft * math.exp(-beyond / self.soft)
+        short = self.shortest + self.soft - distance
+        if short > 0.0:
+            return self.shortest + self.soft * math.exp(-short / self.soft)
+        return distance
