@@ -22,7 +22,8 @@ from sim_backend.terrain.course import FLAT, Ground
 Colour = tuple[int, int, int]
 
 AZIMUTH_DEG = 118.0  # three-quarter view: a robot that walks along x comes towards the viewer's right
-UPHILL_DEG = 60.0  # from behind: risers face the viewer, and the robot is before them
+_FROM_BEHIND_DEG = 60.0
+_FAR_AHEAD_M = 10.0
 ELEVATION_DEG = -31.0
 
 _SUPERSAMPLING = 2
@@ -45,6 +46,12 @@ _OUTLINE = 0.011  # of the camera's distance
 _DEFAULT_GROUPS = 3  # MuJoCo's viewers show the geom groups 0, 1 and 2
 
 _EDGE_TONE = -0.62
+
+
+def azimuth_deg(ground: Ground) -> float:
+    """Return whence a ground is seen best: uphill from behind, where risers face the viewer, else from before."""
+    uphill = ground.shapes and ground.height(_FAR_AHEAD_M, 0.0) >= 0.0
+    return _FROM_BEHIND_DEG if uphill else AZIMUTH_DEG
 
 
 class View(NamedTuple):
@@ -185,7 +192,7 @@ class CapsulePainter:
             shade = ImageChops.multiply(shade, self._haze)
             if tint is not None:
                 picture.paste(_SLIPPERY, mask=tint)
-            origin, normal = _footing(self._ground_shape, view.target)
+            origin, normal = _footing(self._ground_shape, view.trail[-1])
             heights = [self._ground_shape.height(x, y) for x, y in view.trail[:, :2].tolist()]
             trail = np.column_stack([view.trail[:, :2], heights])
         picture.paste(_INK, mask=ImageChops.add(shade, self._shadows(camera, origin, normal, solids)))
@@ -233,9 +240,9 @@ def _cut(polygon: Array, depth: Array) -> Array:
     return np.array(corners)
 
 
-def _footing(ground: Ground, target: Array) -> tuple[Array, Array]:
+def _footing(ground: Ground, body: Array) -> tuple[Array, Array]:
     """Return a point and the normal of the plane that the ground is, roughly, around a place."""
-    x, y = float(target[0]), float(target[1])
+    x, y = float(body[0]), float(body[1])
     ahead, behind, left, right = (
         ground.height(x + dx * _FOOTING_M, y + dy * _FOOTING_M) for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)))
     slope = np.array([behind - ahead, right - left, 2.0 * _FOOTING_M])

@@ -17,7 +17,7 @@ import numpy as np
 from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from robotwalk.errors import UsageError
-from sim_backend.drawing import AZIMUTH_DEG, ELEVATION_DEG, UPHILL_DEG, CapsulePainter, Painter, View
+from sim_backend.drawing import ELEVATION_DEG, CapsulePainter, Painter, View, azimuth_deg
 from sim_backend.relief import TILE_M
 from sim_backend.solids import Array
 from sim_backend.terrain.course import FLAT, Ground
@@ -95,8 +95,7 @@ class Film:
 
     def _encode(self, painter: Painter, progress: Callable[[float], None]) -> bytes:
         data = mujoco.MjData(self._model)
-        azimuth = UPHILL_DEG if self._ground.shapes else AZIMUTH_DEG
-        views = _views(self._model, data, self._shots, self._fps, azimuth)
+        views = _views(self._model, data, self._shots, self._fps, azimuth_deg(self._ground))
 
         def draw(number: int) -> Image.Image:
             shot = self._shots[number]
@@ -153,6 +152,7 @@ class GlPainter:
     def __init__(self, model: mujoco.MjModel, size: tuple[int, int], ground: Ground) -> None:
         self._ground = ground
         self._model = copy.copy(model)  # the light and the ground's colour are the film's own
+        self._model.stat.extent = min(self._model.stat.extent, 2.0)  # else tiles flicker: it sets the depth's grain
         self._model.vis.quality.shadowsize = 1024  # the default, 4096, takes 0.1 s a frame in software
         self._model.vis.headlight.ambient[:] = 0.4
         self._model.vis.headlight.diffuse[:] = 0.4
@@ -179,7 +179,7 @@ class GlPainter:
             for row in range(second - _GL_TILES + column % 2, second + _GL_TILES, 2):
                 heights = {
                     self._ground.height((column + dx) * TILE_M, (row + dy) * TILE_M)
-                    for dx in (0.01, 0.99) for dy in (0.01, 0.99)}
+                    for dx in (0.01, 0.5, 0.99) for dy in (0.01, 0.5, 0.99)}
                 if len(heights) > 1:
                     continue
                 centre = np.array([(column + 0.5) * TILE_M, (row + 0.5) * TILE_M, heights.pop()])
@@ -241,7 +241,7 @@ def _pose(model: mujoco.MjModel, data: mujoco.MjData, shot: Shot) -> None:
 
 
 def _views(
-    model: mujoco.MjModel, data: mujoco.MjData, shots: list[Shot], fps: int, azimuth_deg: float
+    model: mujoco.MjModel, data: mujoco.MjData, shots: list[Shot], fps: int, azimuth: float
 ) -> list[View]:
     """Plan the camera's way: it follows the body smoothly and keeps its direction and distance."""
     free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)
@@ -257,7 +257,7 @@ def _views(
     distance = _FRAMING * reach / math.tan(math.radians(model.vis.global_.fovy) / 2.0)
     targets = _smooth(path, _FOLLOW_S * fps) - np.array([0.0, 0.0, _LOWERED * reach])
     return [
-        View(targets[number], distance, reach, path[max(0, number + 1 - _TRAIL_FRAMES) : number + 1], azimuth_deg)
+        View(targets[number], distance, reach, path[max(0, number + 1 - _TRAIL_FRAMES) : number + 1], azimuth)
         for number in range(len(shots))
     ]
 
