@@ -15,6 +15,8 @@ from PIL import Image, ImageChops
 
 from robotwalk.errors import UsageError
 from sim_backend.film import Film, check_writable
+from sim_backend.terrain.course import Ground
+from sim_backend.terrain.shapes import Slab, Span
 
 SIZE = (240, 160)
 
@@ -151,6 +153,19 @@ def test_the_robot_throws_a_shadow(model, tmp_path):
     pixels = np.asarray(frames_of(tmp_path / "walk.gif")[0][0]).astype(int)
     grey = np.ptp(pixels, axis=2) < 30
     assert np.count_nonzero(grey & (pixels.mean(axis=2) > 150) & (pixels.mean(axis=2) < 205)) > 200
+
+
+@pytest.mark.parametrize(("height", "friction", "seen"), [(0.06, None, "a riser"), (0.0, 0.2, "a blue patch")])
+def test_the_ground_ahead_is_seen(model, tmp_path, height, friction, seen):
+    ahead = Slab(Span(0.25, 0.6, -1.0, 1.0), height, friction)
+    film = Film(model, ground=Ground(-0.01, [Slab(Span(-9.0, 0.25, -9.0, 9.0), 0.0), ahead]), size=SIZE)
+    shoot(film, model, 1, caption="")
+    film.save(tmp_path / "walk.gif")
+    right = np.asarray(frames_of(tmp_path / "walk.gif")[0][0]).astype(int)[:100, 160:]
+    if seen == "a riser":
+        assert np.count_nonzero((right.mean(axis=2) < 222) & (np.ptp(right, axis=2) < 40)) > 60
+    else:
+        assert np.count_nonzero(right[:, :, 2] - right[:, :, 0] > 30) > 300
 
 
 def test_the_caption_is_written_at_the_top(model, tmp_path):
