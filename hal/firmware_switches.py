@@ -13,12 +13,15 @@ class DynamixelFirmware(Row):
     kind: Literal["dynamixel-x"]
     version: Annotated[int, Field(ge=0, le=255)]
     time_base_hz: Annotated[float, Field(gt=0)]  # of integral and derivative terms
+    velocity_p_divisor: Annotated[float, Field(gt=0)]  # PWM counts = gain / this x error in counts of velocity
+    velocity_i_divisor: Annotated[float, Field(gt=0)]
     derivative_gain: bool  # whether the position D gain acts
     goal_follows_present: bool  # whether torque-on sets the goal to where the shaft is
     later_ids_answer: bool  # whether a sync read goes on behind a silent servo
     answers_at_new_setting: bool  # whether the answer to a new id or baud rate bears it already
     turnaround_us: Annotated[float, Field(ge=0)]  # before an answer, on top of the return delay
     watchdog_holds: bool  # whether a servo stopped by the bus watchdog holds its place; otherwise it lets go
+    watchdog_forgets_offset: bool  # whether, stopped in extended position mode, it heads for its place less the offset
     shock_at_power_up: bool  # whether coming to power again sets the electrical shock error
     following_error_ticks: Annotated[int, Field(gt=0)]  # off the trajectory by more is a following error
     reboot_s: Annotated[float, Field(ge=0)]  # silent for this long after a reboot

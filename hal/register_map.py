@@ -6,7 +6,7 @@ a servo's behaviour in `sim_backend`.
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, ValuesView
+from collections.abc import Collection, Iterator, Mapping, ValuesView
 from enum import StrEnum
 from functools import cached_property
 from typing import Annotated, Any, Literal, NamedTuple
@@ -162,6 +162,15 @@ class Arming(Row):
     restart_clears: tuple[str, ...] = ()  # faults after which a restart may follow unasked, as the error's flags say
     watchdog: BusWatchdog | None = None  # None: the servo has none, and keeps on by itself
 
+    def among(self, names: Collection[str]) -> "Arming":
+        """Return what of it concerns these registers."""
+        def kept(counts: dict[str, int]) -> dict[str, int]:
+            return {name: count for name, count in counts.items() if name in names}
+
+        watchdog = self.watchdog if self.watchdog is not None and self.watchdog.name in names else None
+        return self.model_copy(update={
+            "require": kept(self.require), "set": kept(self.set), "explain": kept(self.explain), "watchdog": watchdog})
+
 
 class OperatingPoint(Row):
     """The data sheet's figures at one supply voltage."""
@@ -312,8 +321,7 @@ class ServoModel(Row):
             return self
         rows = self._registers_at(version)
         fields = {field.alias or name: getattr(self, name) for name, field in type(self).model_fields.items()}
-        settings = {name: value for name, value in self.arming.set.items() if name in {row.name for row in rows}}
-        arming = self.arming.model_copy(update={"set": settings})
+        arming = self.arming.among({row.name for row in rows})
         return ServoModel.model_validate({**fields, "arming": arming, "registers": rows, "older_firmware": ()})
 
     def _registers_at(self, version: int) -> tuple[Register, ...]:

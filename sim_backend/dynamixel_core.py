@@ -212,6 +212,8 @@ class DynamixelCore(FakeServo):
         if not self._firmware.watchdog_holds:
             self.table["torque_enable"] = 0
         self._hold_here()
+        if self._firmware.watchdog_forgets_offset and self._mode == OperatingMode.EXTENDED_POSITION:
+            self.table["goal_position"] -= self.table["homing_offset"]
         self._restart()
 
     def _supervise(self, now: int, duty: float, current: float, supply_v: float, temperature_c: float) -> None:

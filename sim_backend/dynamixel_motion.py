@@ -4,7 +4,8 @@ With e = goal - position in encoder ticks and f = `time_base_hz`:
 
     position loop   PWM = P e / 128 + I sum(e) / 65536 + D (v_goal - v) / 16 f + FF1 v_goal / 4 f
                           + FF2 a_goal / 4 f^2
-    velocity loop   PWM = P e / 128 + I sum(e) / 65536, e being the velocity's error in register counts
+    velocity loop   PWM = P e / 128 + I sum(e) / 65536, e being the velocity's error in register counts; the divisors
+                    are the servo's file's
     current mode    PWM such that the goal current flows
 
 In current-based position mode the position loop's PWM gives way where the goal current would be passed; in no other
@@ -25,7 +26,6 @@ _TIME_BASED = 0x04
 _INTEGRAL_DIVISOR = 65536
 _DERIVATIVE_DIVISOR = 16
 _FEED_FORWARD_DIVISOR = 4
-_VELOCITY_DIVISOR = 128
 _MS = 1e-3  # s
 
 
@@ -42,6 +42,7 @@ class DynamixelMotion:
         self._model, self._table = model, table
         self._rate = firmware.time_base_hz
         self._derivative = firmware.derivative_gain
+        self._velocity_divisors = firmware.velocity_p_divisor, firmware.velocity_i_divisor
         self._full = model.position_loop.pwm_full_scale
         turn = model.encoder.ticks
         self._speed_unit = model["profile_velocity"].scale * turn / 60.0  # ticks/s per count, from rpm
@@ -82,9 +83,9 @@ class DynamixelMotion:
     def _velocity_gains(self) -> Gains:
         table = self._table
         duty = 1.0 / (self._full * self._speed_unit)  # of one PWM count per velocity count
+        p_divisor, i_divisor = self._velocity_divisors
         return Gains(
-            table["velocity_p_gain"] / _VELOCITY_DIVISOR * duty,
-            table["velocity_i_gain"] / _INTEGRAL_DIVISOR * self._rate * duty)
+            table["velocity_p_gain"] / p_divisor * duty, table["velocity_i_gain"] / i_divisor * self._rate * duty)
 
     def _position_gains(self) -> Gains:
         table, rate, duty = self._table, self._rate, 1.0 / self._full

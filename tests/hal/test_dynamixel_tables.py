@@ -252,10 +252,12 @@ class TestAgainstTheManual:
     def test_firmware(self, name: str) -> None:
         """Of the version the manual speaks; the other switches are assumptions, which its file explains."""
         assert MODELS[name].firmware.model_dump(exclude={"kind", "temperature_c"}) == {
-            "version": 52 if name in X330 else 45, "time_base_hz": 1000, "derivative_gain": False,
+            "version": 52 if name in X330 else 45, "time_base_hz": 1000, "velocity_p_divisor": 128,
+            "velocity_i_divisor": 65536, "derivative_gain": False,
             "goal_follows_present": False, "later_ids_answer": False, "answers_at_new_setting": False,
-            "turnaround_us": 0.0, "watchdog_holds": True, "shock_at_power_up": False, "following_error_ticks": 100,
-            "reboot_s": 0.3, "overload_duty": 0.8, "overload_s": 2.0}
+            "turnaround_us": 0.0, "watchdog_holds": True, "watchdog_forgets_offset": False,
+            "shock_at_power_up": False, "following_error_ticks": 100, "reboot_s": 0.3, "overload_duty": 0.8,
+            "overload_s": 2.0}
 
     def test_choices(self, name: str) -> None:
         model = MODELS[name]

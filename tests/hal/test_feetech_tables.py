@@ -236,6 +236,26 @@ def test_a_derived_motor_has_the_data_sheets_torque_and_speed(name: str) -> None
     assert speed == pytest.approx(rated.no_load_speed, rel=0.001)
 
 
+# What no manual states, in every file, with its reason.
+ASSUMED = {
+    "integral_s": 0.01, "derivative_s": 0.001, "derivative_gain": False, "later_ids_answer": False,
+    "answers_at_new_setting": False, "turnaround_us": 0, "eeprom_write_ms": 0, "reboot_s": 0.3,
+    "torque_at_power_up": False, "reboot": False, "recovery_keeps_id": True, "overload_clears_on_new_goal": True,
+    "torque_flag_in_status": False, "temperature_c": 30}
+ASSUMED_OF_STS = {
+    "largest_duty": 0.97, "velocity_divisor": 4000, "broadcast_ping": True, "damping": False, "calibrate": False,
+    "centre_outlives_lock": False}
+ASSUMED_OF_SCS = {"largest_duty": 1.0, "pwm_goal": "goal_time", "speed_0_stops": False, "broadcast_ping": False}
+SLEW = {"sts3215": 3400, "sts3215-12v": 3400, "sts3250": 5100, "scs0009": 2050, "scs15": 1860}
+
+
+@EVERY
+def test_what_is_assumed(name: str) -> None:
+    assert MODELS[name].firmware.model_dump(exclude={"kind"}) == {
+        **ASSUMED, **(ASSUMED_OF_STS if name in STS else ASSUMED_OF_SCS), "goal_slew_steps_s": SLEW[name]}
+    assert MODELS[name].backup_firmware is None
+
+
 @EVERY
 def test_what_the_exchange_uses(name: str) -> None:
     model = MODELS[name]

@@ -187,6 +187,16 @@ class TestSwitches:
         assert bus.ask(read(1, 98, 1)) == [status(1, 0, b"\xff")]
         assert bus.ask(read(1, 64, 1)) == [status(1, 0, bytes((holds,)))]
 
+    @pytest.mark.parametrize("forgets", [False, True])
+    def test_the_bus_watchdog_of_older_firmware_heads_elsewhere(self, forgets: bool) -> None:
+        model = switched(watchdog_forgets_offset=forgets)
+        bus = Bus(1, model=model, operating_mode=4, homing_offset=500)
+        bus.ask(write(1, 64, b"\1"))
+        bus.ask(write(1, 98, b"\1"))
+        bus.pass_time(30)
+        goal = 2548 - 500 * forgets
+        assert bus.ask(read(1, 116, 4)) == [status(1, 0, goal.to_bytes(4, "little"))]
+
     @pytest.mark.parametrize("shock", [False, True])
     def test_electrical_shock_when_power_comes_back(self, shock: bool) -> None:
         bus = Bus(1, model=switched(shock_at_power_up=shock))
