@@ -19,6 +19,7 @@ _PERIOD_SLEW = 4.0
 # The fastest swing is this much longer than the shortest that the robot can do: a landing is seen in the next tick,
 # and a sector without any slack would be over before the foot that waited for it lifts off.
 _SLACK = 1.05
+_SAME = 1e-6  # turns
 _NO_SPEED = 1e-9  # m/s; slower is standing still
 
 
@@ -77,6 +78,7 @@ class Gait:
             {foot for foot in range(len(legs)) if self.sector_at(foot, start) is not None} for start in self.starts]
         self.balance = None if config.balance is None else Balance(
             config.balance.margin_mm * 1e-3, config.balance.acceleration_mps2)
+        self.rocking = config.rocking
         self.supports = self._supports()
         self._model = model
 
@@ -88,7 +90,12 @@ class Gait:
     def _supports(self) -> tuple[Support, ...]:
         """Cut the circle at every lift-off and touchdown."""
         ends = {(sector.start + sector.length) % 1.0 for sectors in self.feet for sector in sectors}
-        cuts = sorted(ends.union(self.starts))
+        cuts: list[float] = []
+        for cut in sorted(ends.union(self.starts)):
+            if not cuts or cut - cuts[-1] > _SAME:  # the end of one swing may be the start of another
+                cuts.append(cut)
+        if cuts[0] + 1.0 - cuts[-1] <= _SAME:
+            cuts.pop()
         supports = []
         for start, end in zip(cuts, [*cuts[1:], cuts[0] + 1.0], strict=True):
             middle = 0.5 * (start + end) % 1.0

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import NamedTuple, Self
 
 from robotwalk.errors import RobotwalkError, SafetyStop, UsageError
@@ -34,11 +34,13 @@ def check_duration(seconds: float) -> None:
         raise UsageError(f"a walk lasts 0 to {LONGEST_WALK:.0f} s, not {seconds}")
 
 
-def check_command(command: Command, model: RobotModel, gaits: Sequence[str]) -> None:
-    """Raise UsageError if a command makes no sense for a robot of these `gaits`."""
+def check_command(command: Command, model: RobotModel, gaits: Sequence[str], refused: Mapping[str, str]) -> None:
+    """Raise UsageError if a command makes no sense for a robot of these `gaits`; others are `refused`, and why."""
     numbers = [*command.twist, *command.posture, command.heading or 0.0, command.height or 0.0]
     if not all(math.isfinite(number) for number in numbers):
         raise UsageError(f"a command needs finite numbers, not {command}")
+    if command.gait is not None and command.gait in refused:
+        raise UsageError(f"{model.name} cannot {command.gait}: {refused[command.gait]}")
     if command.gait is not None and command.gait not in gaits:
         raise UsageError(f"{model.name} has no gait {command.gait!r}; it has {', '.join(gaits)}")
     heights = model.heights
@@ -66,11 +68,18 @@ class Robot:
 
     def __init__(
         self, model: RobotModel, gaits: Sequence[str], loop: Loop, bus: ServoBus, *,
-        recorder: Recorder | None = None, torque: float = 1.0,
+        recorder: Recorder | None = None, torque: float = 1.0, refused: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
-        """Join the parts; `torque` is the share of their largest output that the servos may use."""
+        """Join the parts.
+
+        Args:
+            model, gaits, loop, bus, recorder: the parts; of the gaits, the names.
+            torque: share of their largest output that the servos may use.
+            refused: gaits that are for these feet, but more than the servos can give, and why.
+        """
         self.model = model
         self.gaits = tuple(gaits)
+        self._refused = refused
         self.loop = loop
         self.events: list[Event] = []
         self.observers: list[Callable[[Tick], None]] = []
@@ -169,7 +178,7 @@ class Robot:
         Raises:
             UsageError: a value makes no sense; the command before stays in force.
         """
-        check_command(command, self.model, self.gaits)
+        check_command(command, self.model, self.gaits, self._refused)
         self.loop.command = command
 
     def sit(self) -> None:

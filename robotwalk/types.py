@@ -89,6 +89,13 @@ class DriveResponse(NamedTuple):
     max_speed: float  # rad/s without load
 
 
+class Strength(NamedTuple):
+    """What a joint's servo can give, by its data sheet at its rated voltage."""
+
+    stall_torque: float  # N m
+    free_speed: float  # rad/s without load
+
+
 class BusStatistics(NamedTuple):
     """What one bus carried since it was opened."""
 

@@ -23,7 +23,8 @@ from robotwalk.errors import ConfigError
 from robotwalk.gait import Gait
 from robotwalk.gait_rules import fitted, read_gait
 from robotwalk.model import RobotModel
-from robotwalk.types import DriveResponse
+from robotwalk.plausibility import Plausibility, plausibility
+from robotwalk.types import DriveResponse, Strength
 
 _USUAL_GAITS = ("tripod", "tetrapod", "trot", "wave")  # of six, eight, four legs; of any number
 _CALIBRATION = "calibration.yaml"
@@ -72,8 +73,9 @@ class Blueprint:
 
     @property
     def default_gait(self) -> str:
-        """The first of tripod, tetrapod, trot and wave that is for its feet; else the first of all."""
-        return next((name for name in _USUAL_GAITS if name in self.gaits), next(iter(self.gaits)))
+        """The first of tripod, tetrapod, trot and wave that its feet can do; else the first of all."""
+        able = [name for name in (*_USUAL_GAITS, *self.gaits) if name in self.gaits and name not in self.refused]
+        return next(iter([*able, *self.gaits]))
 
     @property
     def bauds(self) -> dict[str, int]:
@@ -98,6 +100,23 @@ class Blueprint:
     def drives(self) -> tuple[DriveResponse, ...]:
         """How each joint follows its goals."""
         return tuple(response(self.servos[self.hardware.joints[name].servo]) for name in self.model.joint_names)
+
+
+    @cached_property
+    def strengths(self) -> tuple[Strength, ...]:
+        """What each joint's servo can give, in joint order."""
+        rated = (self.servos[self.hardware.joints[name].servo].specification.rated for name in self.model.joint_names)
+        return tuple(Strength(sheet.stall_torque_nm, sheet.no_load_speed) for sheet in rated)
+
+    @cached_property
+    def plausibilities(self) -> dict[str, Plausibility]:
+        """What each gait asks of the servos, against what they can give."""
+        return {name: plausibility(self.model, gait, self.strengths) for name, gait in self.gaits.items()}
+
+    @cached_property
+    def refused(self) -> dict[str, str]:
+        """Gaits that ask for more than the servos can give, and what it is."""
+        return {name: judged.complaint() for name, judged in self.plausibilities.items() if not judged.plausible}
 
 
 def load(robot: str, *, calibrated: bool = False) -> Blueprint:

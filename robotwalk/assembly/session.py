@@ -135,7 +135,9 @@ def robot_of(
     bus = bus_of(blueprint, clock, ports)
     record, tape = (recorder.put, recorder.tape) if recorder else (None, None)
     loop = loop_of(blueprint, clock, bus, rate_hz, record, tape)
-    return Robot(blueprint.model, tuple(blueprint.gaits), loop, bus, recorder=recorder, torque=torque), bus
+    robot = Robot(
+        blueprint.model, tuple(blueprint.gaits), loop, bus, recorder=recorder, torque=torque, refused=blueprint.refused)
+    return robot, bus
 
 
 def loop_of(

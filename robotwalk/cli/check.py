@@ -1,12 +1,13 @@
 """`robotwalk check`: everything about a robot that can be judged without moving it."""
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from cyclopts import Parameter
 
 from robotwalk import assembly, checks
 from robotwalk.cli.output import say, write_json, write_table
+from robotwalk.plausibility import Plausibility
 
 _TIGHT = math.radians(2.0)  # a joint this near its limit is worth a warning
 _BUSY = 0.8  # of a tick that the bus may take
@@ -32,11 +33,13 @@ def check(
     """
     assembly.check_rate(rate)
     blueprint = assembly.load(robot, calibrated=True)
-    reaches = [checks.gait_reach(blueprint.model, gait) for gait in blueprint.gaits.values()]
-    balances = [checks.balance(blueprint.model, gait) for gait in blueprint.gaits.values()]
+    gaits = [
+        _Judged(checks.gait_reach(blueprint.model, gait), checks.balance(blueprint.model, gait),
+                blueprint.plausibilities[name])
+        for name, gait in blueprint.gaits.items()]
     buses = assembly.bus_loads(blueprint, rate)
     supply = assembly.supply_load(blueprint)
-    problems = _problems(reaches, balances, buses, supply)
+    problems = _problems(gaits, buses, supply)
     if json:
         write_json({
             "robot": blueprint.model.name,
@@ -44,7 +47,7 @@ def check(
             "problems": problems,
             "mass_kg": round(blueprint.model.mass, 4),
             "calibration": _calibration_fields(blueprint),
-            "gaits": [_gait_fields(reach, at) for reach, at in zip(reaches, balances, strict=True)],
+            "gaits": [_gait_fields(gait) for gait in gaits],
             "rate_hz": rate,
             "buses": {
                 bus.name: {"baud": bus.baud, "servos": bus.servos, "wire_ms": round(1e3 * bus.wire_s, 3),
@@ -58,7 +61,7 @@ def check(
                 "sag_at_stall_v": round(supply.sag_v, 2), "servos_without_sheet": supply.unknown},
         })
     else:
-        _show(blueprint, reaches, balances, buses, rate)
+        _show(blueprint, gaits, buses, rate)
         _show_supply(supply)
         for problem in problems:
             say(f"problem: {problem}")
@@ -66,12 +69,20 @@ def check(
     return 1 if problems else 0
 
 
-def _problems(
-    reaches: list[checks.GaitReach], balances: list[checks.Balance], buses: list[assembly.BusLoad],
-    supply: assembly.SupplyLoad,
-) -> list[str]:
+class _Judged(NamedTuple):
+    """All that is known of a gait without moving."""
+
+    reach: checks.GaitReach
+    balance: checks.Balance
+    plausibility: Plausibility
+
+
+def _problems(gaits: list[_Judged], buses: list[assembly.BusLoad], supply: assembly.SupplyLoad) -> list[str]:
     problems = []
-    for reach in reaches:
+    able = [gait for gait in gaits if gait.plausibility.plausible]  # walk refuses the others
+    if not able:
+        problems.append("the servos can give none of its gaits what it asks for")
+    for reach in (gait.reach for gait in able):
         joint = reach.tightest
         if reach.miss > checks.REACHED:
             problems.append(f"gait {reach.gait}: the longest stride is {1e3 * reach.miss:.0f} mm out of reach")
@@ -93,7 +104,7 @@ def _problems(
             f"all servos stalled would draw {supply.stall_a:.1f} A; the supply is stated to give {supply.stated_a:g} A")
     problems.extend(
         f"gait {balance.gait}: the centre of mass is outside the support polygon by {-1e3 * balance.margin:.0f} mm"
-        for balance in balances if balance.margin is not None and balance.margin < 0.0)
+        for balance in (gait.balance for gait in able) if balance.margin is not None and balance.margin < 0.0)
     return problems
 
 
@@ -121,7 +132,8 @@ def _show_calibration(blueprint: assembly.Blueprint) -> None:
         ])
 
 
-def _gait_fields(reach: checks.GaitReach, balance: checks.Balance) -> dict[str, Any]:
+def _gait_fields(gait: _Judged) -> dict[str, Any]:
+    reach, balance, judged = gait
     joint = reach.tightest
     return {
         "gait": reach.gait,
@@ -130,25 +142,27 @@ def _gait_fields(reach: checks.GaitReach, balance: checks.Balance) -> dict[str, 
         "tightest_joint": joint.joint,
         "joint_margin_deg": round(math.degrees(joint.margin), 2),
         "balance_margin_mm": None if balance.margin is None else round(1e3 * balance.margin, 1),
+        "load": round(judged.load, 3),
+        "refused": None if judged.plausible else judged.complaint(),
     }
 
 
 def _show(
-    blueprint: assembly.Blueprint, reaches: list[checks.GaitReach], balances: list[checks.Balance],
-    buses: list[assembly.BusLoad], rate: int,
+    blueprint: assembly.Blueprint, gaits: list[_Judged], buses: list[assembly.BusLoad], rate: int
 ) -> None:
     model = blueprint.model
     say(f"{model.name}: {len(model.legs)} legs, {len(model.joints)} joints, {model.mass:.2f} kg; files are sound")
     _show_calibration(blueprint)
     write_table(
         "gaits, at the longest stride in any direction and every height",
-        ["gait", "top speed", "reach", "tightest joint", "its margin", "balance"],
+        ["gait", "top speed", "reach", "tightest joint", "its margin", "balance", "servos' load"],
         [
             [reach.gait, f"{reach.top_speed:.2f} m/s",
              "ok" if reach.miss <= checks.REACHED else f"{1e3 * reach.miss:.0f} mm short",
              reach.tightest.joint, f"{math.degrees(reach.tightest.margin):.1f} deg",
-             "dynamic" if balance.margin is None else f"{1e3 * balance.margin:.0f} mm"]
-            for reach, balance in zip(reaches, balances, strict=True)
+             "dynamic" if balance.margin is None else f"{1e3 * balance.margin:.0f} mm",
+             f"{judged.load:.2f}" + ("" if judged.plausible else ", refused")]
+            for reach, balance, judged in gaits
         ])
     write_table(
         f"buses, at {rate} Hz",

@@ -42,8 +42,8 @@ def require_possible(plan: Plan, blueprint: assembly.Blueprint) -> None:
         UsageError: it makes no sense for this robot.
     """
     twist = twist_of(plan.speed, plan.direction, plan.turn)
-    command = Command(twist, plan.heading, plan.height, gait=plan.gait)
-    check_command(command, blueprint.model, tuple(blueprint.gaits))
+    command = Command(twist, plan.heading, plan.height, gait=plan.gait or blueprint.default_gait)
+    check_command(command, blueprint.model, tuple(blueprint.gaits), blueprint.refused)
     check_duration(plan.duration)
 
 

@@ -178,6 +178,7 @@ class TimingConfig(Section):
     slowest_period_s: Positive
     fastest_period_s: Positive | None = None  # None: as fast as the feet can swing
     balance: BalanceConfig | None = None  # None: the body keeps to its course
+    rocking: Annotated[float, Field(ge=0, le=1)] = 0.0  # share of what would keep the body from tipping; 0: none
 
 
 class GaitConfig(TimingConfig):

@@ -31,6 +31,11 @@ LIBRARY = {
     ("pentapod", "wave"): ("lr, lf, f, rr, rf", 4 / 5),
     ("quadruped", "wave"): ("lr, lf, rr, rf", 0.84),
     ("quadruped", "crawl"): ("lr, lf, rr, rf", 0.84),
+    ("quadruped", "pace"): ("lf lr, rf rr", 0.64),
+    ("quadruped", "bound"): ("lf rf, lr rr", 0.4),
+    ("quadruped", "gallop"): ("lf, rf, lr, rr", 0.35),
+    ("quadruped", "rotary_gallop"): ("lf, rf, rr, lr", 0.35),
+    ("quadruped", "pronk"): ("lf lr rf rr", 0.4),
     ("quadruped", "amble"): ("lf, rr, rf, lr", 3 / 4),
     ("quadruped", "trot"): ("lf rr, lr rf", 0.58),
 }

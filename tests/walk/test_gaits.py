@@ -16,7 +16,8 @@ from . import rig
     ("pentapod", "wave", 0.04, 0.0, 1.0),
     ("pentapod", "wave", 0.04, 90.0, 1.0),
     ("quadruped", "wave", 0.04, 0.0, 4.0),
-    ("quadruped", "amble", 0.06, 0.0, 8.0),
+    ("quadruped", "amble", 0.08, 0.0, 6.0),
+    ("quadruped", "pace", 0.08, 0.0, 9.0),
 ])
 def test_it_walks_at_the_speed_that_is_asked_for(
     robot: str, gait: str, speed: float, direction: float, tilt: float
