@@ -11,6 +11,7 @@ from hal.wired import Wired
 
 _BITS_PER_BYTE = 10  # 8N1
 SHARE_OF_TICK = 0.9  # that an exchange may take, whatever is missing
+_PACKET = 62  # bytes that an FTDI adapter hands over without waiting (AN232B-04)
 _STALEST = 0.05  # s between two samples of a joint, where they are spread over ticks
 
 
@@ -51,6 +52,25 @@ class Cycle(NamedTuple):
         ticks = max(math.floor(_STALEST * rate_hz), 1)
         one = max(exchange.seconds(baud, **wait) for exchange in self.spread)
         return always + math.ceil(len(self.spread) / ticks) * one
+
+    def taken(self, baud: int, rate_hz: int, *, return_delay: float = 0.0, latency: float = 0.0) -> float:
+        """Return how long a tick's exchange takes (s) when all answer: as many of the single reads as there is time."""
+        wait = {"return_delay": return_delay, "latency": latency}
+        seconds = self.always.seconds(baud, **wait)
+        for place, exchange in enumerate(self.spread):
+            one = exchange.seconds(baud, **wait)
+            if place and seconds + one > SHARE_OF_TICK / rate_hz:
+                break
+            seconds += one
+        return seconds
+
+    def held_back(self, baud: int, timer: float) -> float:
+        """Return how long (s) an adapter with a latency timer keeps the end of a reply that came without a pause."""
+        trips = self.always.round_trips
+        size = self.spread[0].rx_bytes if self.spread else self.always.rx_bytes // trips
+        byte = _BITS_PER_BYTE / baud
+        left = size % min(_PACKET, math.floor(timer / byte) + 1)
+        return timer - (left - 1) * byte if left else 0.0
 
     def largest_rate(self, baud: int, share: float, *, return_delay: float = 0.0, latency: float = 0.0) -> int:
         """Return the largest rate (Hz) at which a tick's part takes no more than a share of the tick; 0 if none."""
@@ -121,8 +141,8 @@ def costs(protocol: ServoProtocol, servos: Sequence[Wired], baud: int, share: fl
         baud, share, return_delay=delay))] if delay else []
     if plain != fast:
         found.append(Remedy("firmware without fast sync read", plain.largest_rate(baud, share)))
-    for latency in (1e-3, 16e-3):
+    for timer in (1e-3, 16e-3):
         found.append(Remedy(
-            f"an adapter that holds replies back for {1e3 * latency:.0f} ms", fast.largest_rate(
-                baud, share, latency=latency)))
+            f"an adapter that holds replies back for {1e3 * timer:.0f} ms", fast.largest_rate(
+                baud, share, latency=fast.held_back(baud, timer))))
     return found

@@ -25,9 +25,11 @@ no other counts.
 
 import re
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 
 from hal.instructions import Instruction
-from hal.protocol import Status
+from hal.protocol import GroupReply, SeparateReplies, Status
+from hal.whole_reply import Outline, WholeReply
 
 MAX_ID = 253
 MAX_FRAME = 250  # bytes; neither vendor's SDK sends more
@@ -96,6 +98,27 @@ class StatusReceiver(ABC):
         if length not in self._lengths or (received > _CODE and stream[start + _CODE] > _LARGEST_ERROR):
             return 0
         return start + OVERHEAD + length
+
+
+def replies(receiver: StatusReceiver, ids: Sequence[int], length: int) -> GroupReply:
+    """Return what collects a status with `length` bytes of data from each servo."""
+    careful = SeparateReplies(receiver, ids, len(ids) * (OVERHEAD + length))
+    return WholeReply(careful, Outline(0, _BODY, 1), _usual_statuses(ids, length))
+
+
+def _usual_statuses(ids: Sequence[int], length: int) -> Callable[[bytes], bool]:
+    """Return what tells whether statuses side by side are the usual: `length` bytes of each, and no error bit."""
+    size = OVERHEAD + length
+    frames = [
+        (at, at + size, bytes((0xFF, 0xFF, servo_id, length + 2, 0)))
+        for at, servo_id in zip(range(0, len(ids) * size, size), ids, strict=True)]
+
+    def is_usual(data: bytes) -> bool:
+        return all(
+            data.startswith(head, start) and sum(data[start + _ID : end]) & 0xFF == 0xFF
+            for start, end, head in frames)
+
+    return is_usual
 
 
 def _checksum(body: bytes) -> int:

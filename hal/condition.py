@@ -5,10 +5,10 @@ goes out last in a tick, and its answer is fetched as the next tick begins: nobo
 """
 
 from collections import deque
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from hal.encoding import unpack
+from hal.encoding import decoder
 from hal.protocol import GroupReply, ServoProtocol
 from hal.register_map import Register
 from hal.wired import Wired
@@ -19,10 +19,12 @@ _GAP = 20  # bytes between registers, beyond which two reads are cheaper than on
 
 
 class Probe(NamedTuple):
-    """A read of some of a servo's registers: each with its place in the answer."""
+    """A read of some of a servo's registers."""
 
     servo: Wired
-    fields: tuple[tuple[Register, int], ...]
+    names: tuple[str, ...]
+    size: int  # bytes of the answer's data
+    decode: Callable[[bytes], Sequence[int]]
     request: bytes
     reply: GroupReply
 
@@ -30,7 +32,8 @@ class Probe(NamedTuple):
 def probe(protocol: ServoProtocol, servo: Wired, address: int, fields: Sequence[tuple[Register, int]]) -> Probe:
     """Return the read of registers that lie at these offsets behind an address."""
     size = max(offset + register.size for register, offset in fields)
-    return Probe(servo, tuple(fields), *protocol.single_read(servo.id, address, size))
+    names = tuple(register.name for register, _ in fields)
+    return Probe(servo, names, size, decoder(fields), *protocol.single_read(servo.id, address, size))
 
 
 def probes(protocol: ServoProtocol, servo: Wired) -> Iterator[Probe]:
@@ -54,6 +57,7 @@ class ConditionRota:
     """Whose condition is read next, and what was read. Servos that report a fault come first.
 
     Attributes:
+        limp: the slots of servos that said that their torque is off.
         tripped: the slots whose bus watchdog was found to have tripped; whoever sees to it takes them out.
     """
 
@@ -63,6 +67,7 @@ class ConditionRota:
         self._turns: deque[Probe] = deque()
         self._hurried: deque[Probe] = deque()
         self._counts: dict[tuple[int, str], tuple[int, int]] = {}  # by slot and register: counts, and when, ns
+        self.limp: set[int] = set()
         self._turns.extend(probe for servo in servos for probe in probes(protocol, servo))
 
     def gather(self, probe: Probe) -> None:
@@ -75,6 +80,7 @@ class ConditionRota:
         self.tripped.clear()
         self._hurried.clear()
         self._counts.clear()
+        self.limp.clear()
 
     def hurry(self, slot: int) -> None:
         """Read next what is wrong with a servo."""
@@ -97,17 +103,19 @@ class ConditionRota:
     def note(self, probe: Probe, now: int) -> None:
         """Keep what a read brought, if it brought anything."""
         status = probe.reply.results[probe.servo.id]
-        if status is None or status.error:
+        if status is None or status.error or len(status.data) != probe.size:
             return
-        data, slot = status.data, probe.servo.slot
-        watchdog = probe.servo.model.watchdog
-        for register, offset in probe.fields:
-            end = offset + register.size
-            if end <= len(data):
-                counts = unpack(register, data[offset:end])
-                self._counts[slot, register.name] = counts, now
-                if watchdog is not None and register is watchdog[0] and counts != watchdog[1]:
-                    self.tripped.add(slot)
+        slot, model = probe.servo.slot, probe.servo.model
+        for name, counts in zip(probe.names, probe.decode(status.data), strict=True):
+            self._counts[slot, name] = counts, now
+        if self._counts.get((slot, model.cyclic.telemetry.torque), (1, 0))[0]:
+            self.limp.discard(slot)
+        else:
+            self.limp.add(slot)
+        if model.watchdog is not None:
+            register, armed = model.watchdog
+            if register.name in probe.names and self._counts[slot, register.name][0] != armed:
+                self.tripped.add(slot)
 
     def faults(self, servo: Wired) -> tuple[str, ...]:
         """Return what is wrong with a servo, in words, as far as it was asked."""
@@ -117,10 +125,6 @@ class ConditionRota:
         counts, _ = self._counts.get((servo.slot, name), (0, 0))
         meanings = dict(enumerate(servo.model[name].flags))
         return tuple(meanings.get(bit) or f"fault {bit}" for bit in range(8) if counts >> bit & 1)
-
-    def has_let_go(self, servo: Wired) -> bool:
-        """Tell whether a servo said that its torque is off."""
-        return self._counts.get((servo.slot, servo.model.cyclic.telemetry.torque), (1, 0))[0] == 0
 
     def conditions(self, now: int) -> Mapping[str, ServoCondition]:
         """Return what is known of each servo, by its joint."""
@@ -142,4 +146,4 @@ class ConditionRota:
 
     def _says_what_is_wrong(self, probe: Probe) -> bool:
         name = probe.servo.model.cyclic.telemetry.error
-        return name is None or any(register.name == name for register, _ in probe.fields)
+        return name is None or name in probe.names

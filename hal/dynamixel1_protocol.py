@@ -10,10 +10,10 @@ and the data is valid all the same: an alert. A refusal concerns the instruction
 from collections.abc import Sequence
 from enum import IntFlag
 
-from hal.checksum_frames import LONGEST_DATA, MAX_ID, OVERHEAD, StatusReceiver, frame
+from hal.checksum_frames import LONGEST_DATA, MAX_ID, StatusReceiver, frame, replies
 from hal.instructions import BROADCAST_ID as BROADCAST_ID
 from hal.instructions import Instruction, Instructions
-from hal.protocol import GroupReply, SeparateReplies, Status
+from hal.protocol import GroupReply, Status
 
 PING_SLOT_NS = None  # a broadcast gets no answer
 BULK_READ = False  # the AX series has none; who knows that it is an MX may still call `bulk_read`
@@ -64,7 +64,7 @@ sync_writer = _instructions.sync_writer
 
 def single_read(servo_id: int, address: int, length: int) -> tuple[bytes, GroupReply]:
     """Return a read of one servo, and what collects the answer."""
-    return read(servo_id, address, length), SeparateReplies(Receiver(length), (servo_id,), length + OVERHEAD)
+    return read(servo_id, address, length), replies(Receiver(length), (servo_id,), length)
 
 
 def group_read(address: int, length: int, ids: Sequence[int], *, fast: bool) -> tuple[bytes, GroupReply]:
@@ -91,7 +91,7 @@ def bulk_read(items: Sequence[tuple[int, int, int]], *, fast: bool = False) -> t
         raise ValueError(f"there is no range of {length} bytes at each of {[address for _, address, _ in items]}")
     ranges = b"".join(bytes((length, servo_id, address)) for servo_id, address, _ in items)
     request = frame(BROADCAST_ID, Instruction.BULK_READ, _BULK_READ_HEAD + ranges)
-    return request, SeparateReplies(Receiver(length), ids, len(ids) * (length + OVERHEAD))
+    return request, replies(Receiver(length), ids, length)
 
 
 def receiver() -> "Receiver":

@@ -20,12 +20,14 @@ What `Receiver` makes of a garbled stream:
     half a frame                    kept for the next `feed`, until `reset`
 """
 
+from collections.abc import Callable, Sequence
 from struct import Struct
 
 from fastcrc.crc16 import umts as crc16
 
 from hal.instructions import BROADCAST_ID, Instruction
 from hal.protocol import Status
+from hal.whole_reply import Outline
 
 MAX_ID = 252
 MAX_LENGTH = 1024  # our limit for L; no X-series control table is longer (e-Manual: it ends at 661)
@@ -35,6 +37,7 @@ STATUS = 0x55
 ALERT = 0x80
 HEADER = b"\xff\xff\xfd\x00"
 HEAD = Struct("<4sBH")  # header, id, length
+OUTLINE = Outline(0, HEAD.size + 2, 2)  # of statuses side by side
 _UINT16 = Struct("<H")
 
 
@@ -80,6 +83,21 @@ class Receiver:
         # The last bytes may be the beginning of a header.
         self._pending = stream[max(position, len(stream) - len(HEADER) + 1) :]
         return statuses
+
+
+def usual_statuses(ids: Sequence[int], length: int) -> Callable[[bytes], bool]:
+    """Return what tells whether statuses side by side are the usual: `length` bytes of each, no error, no alert."""
+    size = STATUS_OVERHEAD + length
+    frames = [
+        (at, at + size - 2, HEAD.pack(HEADER, servo_id, size - HEAD.size) + bytes((STATUS, 0)))
+        for at, servo_id in zip(range(0, len(ids) * size, size), ids, strict=True)]
+
+    def is_usual(data: bytes) -> bool:
+        return b"\xff\xff\xfd\xfd" not in data and all(  # nothing was stuffed
+            data.startswith(head, start) and crc16(data[start:end]) == _UINT16.unpack_from(data, end)[0]
+            for start, end, head in frames)
+
+    return is_usual
 
 
 def _frame_end(stream: bytes, start: int) -> int:

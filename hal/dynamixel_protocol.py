@@ -8,12 +8,22 @@ from collections.abc import Sequence
 from enum import IntEnum
 from typing import Self
 
-from hal.dynamixel_frames import MAX_ID, MAX_LENGTH, MIN_LENGTH, STATUS_OVERHEAD, Receiver, frame
+from hal.dynamixel_frames import (
+    MAX_ID,
+    MAX_LENGTH,
+    MIN_LENGTH,
+    OUTLINE,
+    STATUS_OVERHEAD,
+    Receiver,
+    frame,
+    usual_statuses,
+)
 from hal.dynamixel_instructions import DynamixelInstructions, Range
 from hal.dynamixel_instructions import Keep as Keep
 from hal.instructions import BROADCAST_ID as BROADCAST_ID
-from hal.joint_reply import JointReply
+from hal.joint_reply import JOINT_OUTLINE, JointReply, usual_joint_reply
 from hal.protocol import GroupReply, SeparateReplies
+from hal.whole_reply import WholeReply
 
 PING_SLOT_NS = 3_000_000  # what ROBOTIS's libraries allow for
 BULK_READ = True
@@ -77,9 +87,15 @@ def bulk_read(items: Sequence[Range], *, fast: bool) -> tuple[bytes, GroupReply]
 
 
 def _reply(lengths: dict[int, int], fast: bool) -> GroupReply:
+    ids, sizes = tuple(lengths), {*lengths.values()}
+    careful = JointReply(lengths) if fast else SeparateReplies(
+        Receiver(), ids, sum(lengths.values()) + len(ids) * STATUS_OVERHEAD)
+    if len(sizes) > 1:
+        return careful
+    [length] = sizes
     if fast:
-        return JointReply(lengths)
-    return SeparateReplies(Receiver(), tuple(lengths), sum(lengths.values()) + len(lengths) * STATUS_OVERHEAD)
+        return WholeReply(careful, JOINT_OUTLINE, usual_joint_reply(ids, length))
+    return WholeReply(careful, OUTLINE, usual_statuses(ids, length))
 
 
 def receiver() -> Receiver:

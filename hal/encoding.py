@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from struct import Struct, error
 
-from hal.register_map import Block, Register
+from hal.register_map import Register
 
 _FORMATS = {1: "B", 2: "H", 4: "I"}
 
@@ -56,25 +56,23 @@ def column(register: Register, ids: Sequence[int]) -> Callable[[Sequence[int]], 
     return pack_all
 
 
-class BlockDecoder:
-    """Decodes a block that is read often, all its registers at once."""
+def decoder(fields: Sequence[tuple[Register, int]]) -> Callable[[bytes], Sequence[int]]:
+    """Return what decodes registers that lie at these offsets of the bytes, in that order, all at once."""
+    order = "<" if fields[0][0].byte_order == "little" else ">"
+    unpack = Struct(order + "".join(_formats(fields))).unpack_from
+    magnitudes = [
+        (index, register.sign_bit) for index, (register, _) in enumerate(fields) if register.sign_bit is not None]
+    if not magnitudes:
+        return unpack
 
-    def __init__(self, block: Block) -> None:
-        order = "<" if block.registers[0].byte_order == "little" else ">"
-        self._struct = Struct(order + "".join(_formats(block)))
-        self._magnitudes = [
-            (index, register.sign_bit) for index, register in enumerate(block.registers)
-            if register.sign_bit is not None]
+    def decode(data: bytes) -> Sequence[int]:
+        values = list(unpack(data))
+        for index, sign_bit in magnitudes:
+            if values[index] >> sign_bit & 1:
+                values[index] = _from_magnitude(values[index], sign_bit)
+        return values
 
-    def unpack(self, data: bytes) -> Sequence[int]:
-        """Return the registers' values (counts), by address; `data` has the block's size."""
-        values = self._struct.unpack(data)
-        if not self._magnitudes:
-            return values
-        decoded = list(values)
-        for index, sign_bit in self._magnitudes:
-            decoded[index] = _from_magnitude(decoded[index], sign_bit)
-        return decoded
+    return decode
 
 
 def _from_magnitude(value: int, sign_bit: int) -> int:
@@ -82,10 +80,10 @@ def _from_magnitude(value: int, sign_bit: int) -> int:
     return -(value & ~sign) if value & sign else value
 
 
-def _formats(block: Block) -> Iterator[str]:
+def _formats(fields: Sequence[tuple[Register, int]]) -> Iterator[str]:
     """Return the format of each register, with pad bytes where they do not adjoin."""
-    end = block.address
-    for register in block.registers:
+    end = 0
+    for register, offset in fields:
         letter = _FORMATS[register.size]
-        yield "x" * (register.address - end) + (letter.lower() if register.signed else letter)
-        end = register.end
+        yield f"{offset - end}x" + (letter.lower() if register.signed else letter)
+        end = offset + register.size

@@ -5,14 +5,18 @@
     single reads                      Dynamixel 1.0 and Feetech SCS: spread over as many ticks as they take
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from enum import StrEnum
 from itertools import groupby
 from typing import NamedTuple
 
 from hal.protocol import GroupReply, ServoProtocol
 from hal.roll_call import RollCall
-from hal.wired import Sample, Wired, feedback_decoder
+from hal.samples import Sample, sample_decoder, samples_decoder
+from hal.whole_reply import WholeReply
+from hal.wired import Wired
+
+Samples = Iterator[tuple[int, tuple[float, float, float]]]  # slots and samples
 
 _KEPT = 64  # requests, ready made; when replies are lost the order of ids changes often
 
@@ -31,6 +35,7 @@ class Reading(NamedTuple):
     ids: tuple[int, ...]
     request: bytes
     reply: GroupReply
+    usual: Callable[[], Samples | None]  # the samples of all, if the reply is the usual one
 
 
 class Reader:
@@ -41,7 +46,7 @@ class Reader:
         self.servos = {servo.id: servo for servo in servos}
         self._protocol = protocol
         self._places = {
-            servo.id: (servo.slot, servo.model.feedback.size, feedback_decoder(servo)) for servo in servos}
+            servo.id: (servo.slot, servo.model.feedback.size, sample_decoder(servo)) for servo in servos}
         self._blocks = {servo.id: servo.model.feedback for servo in servos}
         self._alike = len({(block.address, block.size) for block in self._blocks.values()}) == 1
         self._roll = RollCall(tuple(self.servos))
@@ -66,6 +71,13 @@ class Reader:
                     return
             yield self._reading(ids)
 
+    def collect_usual(self, reading: Reading) -> Samples | None:
+        """Return the samples of all that were asked, if all answered and have nothing to report."""
+        samples = reading.usual()
+        if samples is not None:
+            self._roll.note(reading.ids, reading.ids)
+        return samples
+
     def collect(self, reading: Reading) -> list[tuple[int, Sample | None, bool]]:
         """Note who answered; return of each that was asked its slot, its sample if a good one came, and its alert."""
         results, heard = reading.reply.results, []
@@ -89,7 +101,9 @@ class Reader:
         if reading is None:
             if len(self._ready) >= _KEPT:
                 self._ready.clear()
-            reading = self._ready[ids] = Reading(ids, *self._ask(ids))
+            request, reply = self._ask(ids)
+            usual = _usual([self.servos[servo_id] for servo_id in ids], reply)
+            reading = self._ready[ids] = Reading(ids, request, reply, usual)
         return reading
 
     def _ask(self, ids: tuple[int, ...]) -> tuple[bytes, GroupReply]:
@@ -100,6 +114,17 @@ class Reader:
             return self._protocol.group_read(block.address, block.size, ids, fast=self.way is Way.FAST)
         items = [(servo_id, self._blocks[servo_id].address, self._blocks[servo_id].size) for servo_id in ids]
         return self._protocol.bulk_read(items, fast=self.way is Way.FAST)
+
+
+def _usual(servos: Sequence[Wired], reply: GroupReply) -> Callable[[], Samples | None]:
+    """Return what decodes a reply at once, if it is the usual one."""
+    decode = samples_decoder(servos, reply.outline) if isinstance(reply, WholeReply) else None
+
+    def usual() -> Samples | None:
+        whole = reply.whole if isinstance(reply, WholeReply) else None
+        return None if whole is None or decode is None else decode(whole)
+
+    return usual
 
 
 def readers(protocol: ServoProtocol, servos: Sequence[Wired], fast: Collection[int]) -> list[Reader]:

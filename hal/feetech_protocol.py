@@ -7,10 +7,10 @@ The frame, and what becomes of a garbled one: `hal.checksum_frames`.
 from collections.abc import Sequence
 from enum import IntFlag
 
-from hal.checksum_frames import LONGEST_DATA, MAX_ID, OVERHEAD, StatusReceiver, frame
+from hal.checksum_frames import LONGEST_DATA, MAX_ID, StatusReceiver, frame, replies
 from hal.instructions import BROADCAST_ID as BROADCAST_ID
 from hal.instructions import Instructions
-from hal.protocol import GroupReply, SeparateReplies, Status
+from hal.protocol import GroupReply, Status
 
 PING_SLOT_NS = None  # not in Feetech's manual
 BULK_READ = False
@@ -49,14 +49,14 @@ sync_writer = _instructions.sync_writer
 
 def single_read(servo_id: int, address: int, length: int) -> tuple[bytes, GroupReply]:
     """Return a read of one servo, and what collects the answer."""
-    return read(servo_id, address, length), SeparateReplies(Receiver(length), (servo_id,), length + OVERHEAD)
+    return read(servo_id, address, length), replies(Receiver(length), (servo_id,), length)
 
 
 def group_read(address: int, length: int, ids: Sequence[int], *, fast: bool) -> tuple[bytes, GroupReply]:
     """Return a sync read, and what collects the answers. There is no fast form; SCS servos do not know it at all."""
     if fast:
         raise ValueError("these servos have no fast sync read")
-    return sync_read(address, length, ids), SeparateReplies(Receiver(length), ids, len(ids) * (length + OVERHEAD))
+    return sync_read(address, length, ids), replies(Receiver(length), ids, length)
 
 
 def bulk_read(items: Sequence[tuple[int, int, int]], *, fast: bool) -> tuple[bytes, GroupReply]:

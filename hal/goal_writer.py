@@ -1,6 +1,6 @@
 """The frames that bring every goal to its servo, in every tick."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from hal.encoding import column
 from hal.protocol import ServoProtocol
@@ -32,9 +32,17 @@ class _Group:
     def __init__(self, protocol: ServoProtocol, register: Register, servos: Sequence[Wired]) -> None:
         ids = [servo.id for servo in servos]
         self._pack = column(register, ids)
-        self._ticks: list[tuple[Callable[[float], int], int]] = [
-            (servo.calibration.ticks, servo.slot) for servo in servos]
+        self._calibrations = [(servo.slot, servo.calibration) for servo in servos]
+        self._scales = [
+            (servo.slot, calibration.centre, calibration.direction, calibration.zero, calibration.radians_per_tick)
+            for servo, calibration in zip(servos, [servo.calibration for servo in servos], strict=True)]
         self._write = protocol.sync_writer(register.address, register.size, ids)
 
     def frame(self, goals: Sequence[float]) -> bytes:
-        return self._write(self._pack([ticks(goals[slot]) for ticks, slot in self._ticks]))
+        try:
+            counts = [
+                round(centre + direction * (goals[slot] - zero) / scale)  # as Calibration.ticks, at once
+                for slot, centre, direction, zero, scale in self._scales]
+        except (ValueError, OverflowError):
+            counts = [calibration.ticks(goals[slot]) for slot, calibration in self._calibrations]  # says which
+        return self._write(self._pack(counts))

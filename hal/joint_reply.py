@@ -6,7 +6,7 @@ It is not stuffed. Each CRC runs over the whole frame so far, with the earlier C
 Source: ROBOTIS e-Manual, "DYNAMIXEL Protocol 2.0".
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from struct import Struct
 
 from fastcrc.crc16 import umts as crc16
@@ -14,6 +14,32 @@ from fastcrc.crc16 import umts as crc16
 from hal.dynamixel_frames import ALERT, HEAD, HEADER, MAX_LENGTH, STATUS
 from hal.instructions import BROADCAST_ID
 from hal.protocol import Status
+from hal.whole_reply import Outline
+
+JOINT_OUTLINE = Outline(HEAD.size + 1, 2, 2)
+_CRC = Struct("<H")
+
+
+def usual_joint_reply(ids: Sequence[int], length: int) -> Callable[[bytes], bool]:
+    """Return what tells whether a reply is the usual one: all `ids` answer, without error or alert.
+
+    Its last CRC covers all blocks and their CRCs.
+    """
+    heads = Struct("<" + f"BB{length + 2}x" * len(ids))
+    head = _head(len(ids) * (length + 4))
+    expected = tuple(byte for servo_id in ids for byte in (0, servo_id))
+
+    def is_usual(data: bytes) -> bool:
+        return (
+            data.startswith(head) and heads.unpack_from(data, len(head)) == expected
+            and crc16(data[:-2]) == _CRC.unpack_from(data, len(data) - 2)[0])
+
+    return is_usual
+
+
+def _head(blocks: int) -> bytes:
+    """Return what comes before blocks of so many bytes."""
+    return HEAD.pack(HEADER, BROADCAST_ID, 1 + blocks) + bytes((STATUS,))
 
 
 class JointReply:
@@ -32,7 +58,7 @@ class JointReply:
         size = 1 + sum(block.size for _, block in self._blocks)
         if size > MAX_LENGTH:
             raise ValueError(f"a reply may be {MAX_LENGTH} bytes long, not {size}: read less at once")
-        self._head = HEAD.pack(HEADER, BROADCAST_ID, size) + bytes((STATUS,))
+        self._head = _head(size - 1)
         self.size = HEAD.size + size
         self.bad_frames = 0
         self.reset()

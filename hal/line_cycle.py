@@ -15,7 +15,7 @@ from hal.feedback import Reader, Reading, readers
 from hal.goal_writer import GoalWriter
 from hal.protocol import ServoProtocol
 from hal.wire import Wire
-from hal.wired import Sample, Wired
+from hal.wired import Wired
 from robotwalk.errors import BusError
 
 PATIENCE = 1_700_000  # ns past the time that the bytes take, for servos and adapter
@@ -26,9 +26,9 @@ class LineCycle:
     """Each tick is `begin`, then `advance` whenever bytes have come or `deadline` has passed, until it returns False.
 
     Attributes:
-        outcome: the samples of this tick, by the joints' slots; None of those that were asked in vain.
+        outcome: the samples of this tick (rad, rad/s, share), by the joints' slots; None of those asked in vain.
         watch: the reads of conditions.
-        alerts: whether the servo of a slot reported a fault when it last answered.
+        alerts: the slots of servos that reported a fault when they last answered.
         quiet_until: before when the present answer cannot be whole, ns: no need to look.
         deadline: until when it is waited for, ns.
     """
@@ -36,8 +36,8 @@ class LineCycle:
     def __init__(self, wire: Wire, protocol: ServoProtocol, servos: Sequence[Wired]) -> None:
         self.transactions = self.lost_replies = self.bad_frames = 0
         self.quiet_until = self.deadline = 0
-        self.outcome: dict[int, Sample | None] = {}
-        self.alerts: dict[int, bool] = {}
+        self.outcome: dict[int, tuple[float, float, float] | None] = {}
+        self.alerts: set[int] = set()
         self.watch = ConditionWatch(wire, protocol, servos)
         self._deaf: set[int] = set()  # slots of those who did not answer when last asked
         self._next_tick = 0  # ns
@@ -115,7 +115,7 @@ class LineCycle:
         if not self._before and self.outcome and expected + wire.latency > self._latest:
             self._current = None
             return self._end(now)
-        self.quiet_until = expected + wire.latency
+        self.quiet_until = expected
         self._expected = expected + wire.latency + wire.latency // 4
         self.deadline = min(self._expected + self._patience, self._latest)
         reading.reply.reset()
@@ -140,6 +140,13 @@ class LineCycle:
         """Keep what a reading brought."""
         self._current = None
         self.bad_frames += reading.reply.bad_frames - self._bad_before
+        samples = reader.collect_usual(reading)
+        if samples is not None:
+            found = dict(samples)
+            self.outcome.update(found)
+            self._deaf -= found.keys()
+            self.alerts -= found.keys()
+            return
         for slot, sample, alert in reader.collect(reading):
             self.outcome[slot] = sample
             if sample is None:
@@ -147,10 +154,11 @@ class LineCycle:
                 self._deaf.add(slot)
                 continue
             self._deaf.discard(slot)
-            if alert is not self.alerts.get(slot, False):
-                self.alerts[slot] = alert
-                if alert:
-                    self.watch.rota.hurry(slot)
+            if not alert:
+                self.alerts.discard(slot)
+            elif slot not in self.alerts:
+                self.alerts.add(slot)
+                self.watch.rota.hurry(slot)
 
 
 def _with_readings(reader: Reader) -> Iterator[tuple[Reader, Reading]]:

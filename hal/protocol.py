@@ -33,7 +33,10 @@ class Receiver(Protocol):
 class GroupReply(Protocol):
     """Collects the answers to one read of many servos."""
 
-    results: dict[int, Status | None]  # by id, in the order asked for; None until a good answer has come
+    @property
+    def results(self) -> dict[int, Status | None]:
+        """The statuses by id, in the order asked for; None until a good answer has come."""
+        ...
 
     @property
     def bad_frames(self) -> int:

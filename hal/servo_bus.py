@@ -56,11 +56,14 @@ class SerialServoBus:
         found: dict[str, str] = {}
         for line in self._lines:
             cycle = line.cycle
+            limp = cycle.watch.rota.limp if cycle.watch.on else frozenset()
+            if not (cycle.alerts or limp):
+                continue
             for servo in line.servos:
-                if cycle.alerts.get(servo.slot):
+                if servo.slot in cycle.alerts:
                     faults = ", ".join(cycle.watch.rota.faults(servo)) or "overload, heat or a wrong voltage"
                     found[servo.joint] = f"reports {faults}"
-                elif cycle.watch.on and cycle.watch.rota.has_let_go(servo):
+                elif servo.slot in limp:
                     found[servo.joint] = "has let go: its torque is off, and nobody switched it off"
         return found
 
@@ -209,27 +212,31 @@ class SerialServoBus:
             if line.cycle.begin(frame, start, latest, start + period, patience)]
         now = start
         while pending:
-            quiet_until = min(line.cycle.quiet_until for line in pending)
-            if quiet_until > now:
-                self._clock.wait((), quiet_until)  # a reply may come in many pieces: not every one is worth waking for
-            else:
-                self._clock.wait([line.port for line in pending], min(line.cycle.deadline for line in pending))
+            due = min([line.cycle.quiet_until for line in pending])
+            if due > now:
+                self._clock.wait((), due)  # a reply may come in many pieces: not every one is worth waking for
+            awaited = [line for line in pending if line.cycle.quiet_until <= due]
+            until = min([line.cycle.deadline for line in awaited])
+            if len(awaited) < len(pending):
+                until = min([until, *[line.cycle.quiet_until for line in pending if line not in awaited]])
+            self._clock.wait([line.port for line in awaited], until)
             now = self._clock.now()
-            pending = [line for line in pending if line.cycle.advance(now)]
+            pending = [line for line in pending if line not in awaited or line.cycle.advance(now)]
         return self._state(self._clock.now())
 
     def _state(self, now: int) -> JointState:
+        position, velocity, effort = self._position, self._velocity, self._effort
         heard, valid = self._heard, self._valid
         for line in self._lines:
             for slot, sample in line.cycle.outcome.items():
-                valid[slot] = sample is not None
-                if sample is not None:
-                    self._position[slot], self._velocity[slot], self._effort[slot] = sample
-                    heard[slot] = now
+                if sample is None:
+                    valid[slot] = False
+                else:
+                    position[slot], velocity[slot], effort[slot] = sample
+                    valid[slot], heard[slot] = True, now
         age = tuple([(now - then) / _NS for then in heard])
         for line in self._lines:
             oldest = max([age[slot] for slot in line.slots])
             if oldest > self._max_age[line.name]:
                 self._max_age[line.name] = oldest
-        return JointState(
-            tuple(self._position), tuple(self._velocity), tuple(self._effort), tuple(valid), age)
+        return JointState(tuple(position), tuple(velocity), tuple(effort), tuple(valid), age)

@@ -15,6 +15,7 @@ import numpy as np
 
 from hal.register_map import ServoModel
 from robotwalk.realtime import raise_priority, sharpen_timers
+from sim_backend.adapter import ADAPTERS, AdapterName
 from sim_backend.brands import make_device, make_servo
 from sim_backend.endpoint import Endpoint
 from sim_backend.pty_endpoint import open_ptys
@@ -40,7 +41,9 @@ class BenchServo(NamedTuple):
 class Bench:
     """The servos, one simulated port per bus, one clock. Return delay 0."""
 
-    def __init__(self, servos: Sequence[BenchServo], bauds: Mapping[str, int]) -> None:
+    def __init__(
+        self, servos: Sequence[BenchServo], bauds: Mapping[str, int], adapter: AdapterName = "none"
+    ) -> None:
         self.clock = SimulatedClock()
         self._physics = ServoPhysics([servo.model for servo in servos])
         self._angles = np.array([servo.angle for servo in servos])
@@ -50,10 +53,12 @@ class Bench:
                 self._physics, index, id=servo.id, baud_rate=servo.model.baud_value(bauds[servo.bus]),
                 return_delay_time=0)
             for index, servo in enumerate(servos)]
+        self.servos = made
         self.ports = {
             bus: SimulatedPort(
                 self.clock,
-                make_device(bus, [fake for fake, servo in zip(made, servos, strict=True) if servo.bus == bus]), baud)
+                make_device(bus, [fake for fake, servo in zip(made, servos, strict=True) if servo.bus == bus]), baud,
+                ADAPTERS[adapter]())
             for bus, baud in bauds.items()}
 
     def turn(self, servo: int, angle: float) -> None:

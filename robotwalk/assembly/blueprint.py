@@ -194,8 +194,9 @@ class BusLoad(NamedTuple):
     name: str
     baud: int
     servos: int
-    wire_s: float
-    share: float  # of the tick
+    wire_s: float  # that its exchange takes
+    least_s: float  # that it must have: servos that are read one by one may wait for a later tick
+    share: float  # of the tick, of what it must have
     largest_rate_hz: int  # that leaves a fifth of the wire free
     raised_by: tuple[bus_plan.Remedy, ...]
     lowered_by: tuple[bus_plan.Remedy, ...]
@@ -208,9 +209,10 @@ def bus_loads(blueprint: Blueprint, rate_hz: int) -> list[BusLoad]:
         baud = blueprint.hardware.buses[name].baud
         protocol = protocol_of(wired[0].model)
         plan = bus_plan.cycle(protocol, wired, fast=True)
-        seconds = plan.seconds(baud, rate_hz)
+        least = plan.seconds(baud, rate_hz)
         loads.append(BusLoad(
-            name, baud, len(wired), seconds, seconds * rate_hz, plan.largest_rate(baud, _SHARE_OF_TICK),
+            name, baud, len(wired), plan.taken(baud, rate_hz), least, least * rate_hz,
+            plan.largest_rate(baud, _SHARE_OF_TICK),
             tuple(bus_plan.remedies(protocol, wired, baud, _SHARE_OF_TICK)),
             tuple(bus_plan.costs(protocol, wired, baud, _SHARE_OF_TICK))))
     return loads

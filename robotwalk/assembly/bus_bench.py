@@ -65,7 +65,7 @@ def measure_bus(
         raise UsageError(f"--seconds should be above 0 and at most 600, not {seconds}")
     blueprint = load(robot)
     if baud is not None:
-        blueprint = _at_baud(blueprint, baud)
+        blueprint = at_baud(blueprint, baud)
     wire = max(
         bus_plan.cycle(protocol_of(wired[0].model), wired, fast=True).whole.seconds(blueprint.bauds[bus])
         for bus, wired in blueprint.wiring.items())
@@ -87,7 +87,12 @@ def measure_bus(
         first, awake)
 
 
-def _at_baud(blueprint: Blueprint, baud: int) -> Blueprint:
+def at_baud(blueprint: Blueprint, baud: int) -> Blueprint:
+    """Return the robot with another baud rate on all buses.
+
+    Raises:
+        UsageError: a servo does not have it.
+    """
     for servo in {row.servo for row in blueprint.hardware.joints.values()}:
         try:
             blueprint.servos[servo].baud_value(baud)
@@ -97,12 +102,17 @@ def _at_baud(blueprint: Blueprint, baud: int) -> Blueprint:
     return replace(blueprint, hardware=blueprint.hardware.model_copy(update={"buses": buses}))
 
 
+def bench_servos(blueprint: Blueprint) -> list[BenchServo]:
+    """Return a robot's servos, each with its shaft in the middle of its joint's range."""
+    return [
+        BenchServo(bus, servo.id, servo.model, _shaft(servo))
+        for bus, wired in blueprint.wiring.items() for servo in wired]
+
+
 @contextmanager
 def _fakes(blueprint: Blueprint) -> Iterator[Mapping[str, str]]:
     """Run the robot's servos in a process of their own; yield the URLs of their buses."""
-    servos = [
-        BenchServo(bus, servo.id, servo.model, _shaft(servo))
-        for bus, wired in blueprint.wiring.items() for servo in wired]
+    servos = bench_servos(blueprint)
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
     with tempfile.TemporaryDirectory() as folder:

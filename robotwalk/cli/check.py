@@ -51,6 +51,7 @@ def check(
             "rate_hz": rate,
             "buses": {
                 bus.name: {"baud": bus.baud, "servos": bus.servos, "wire_ms": round(1e3 * bus.wire_s, 3),
+                           "least_ms": round(1e3 * bus.least_s, 3),
                            "share_of_tick": round(bus.share, 3), "largest_rate_hz": bus.largest_rate_hz,
                            "raised_by": [remedy._asdict() for remedy in bus.raised_by],
                            "lowered_by": [remedy._asdict() for remedy in bus.lowered_by]}
@@ -97,7 +98,7 @@ def _problems(gaits: list[_Judged], buses: list[assembly.BusLoad], supply: assem
     for bus in buses:
         if bus.share > _BUSY:
             problems.append(
-                f"bus {bus.name} needs {1e3 * bus.wire_s:.2f} ms a tick, {100 * bus.share:.0f} % of it; "
+                f"bus {bus.name} needs {1e3 * bus.least_s:.2f} ms a tick, {100 * bus.share:.0f} % of it; "
                 f"the largest rate is {bus.largest_rate_hz} Hz")
     if supply.stated_a is not None and supply.stall_a > supply.stated_a:
         problems.append(
@@ -166,10 +167,10 @@ def _show(
         ])
     write_table(
         f"buses, at {rate} Hz",
-        ["bus", "baud", "servos", "wire time a tick", "of the tick", "largest rate"],
+        ["bus", "baud", "servos", "wire time a tick", "at least", "of the tick", "largest rate"],
         [
-            [bus.name, str(bus.baud), str(bus.servos), f"{1e3 * bus.wire_s:.2f} ms", f"{100 * bus.share:.0f} %",
-             f"{bus.largest_rate_hz} Hz"]
+            [bus.name, str(bus.baud), str(bus.servos), f"{1e3 * bus.wire_s:.2f} ms",
+             f"{1e3 * bus.least_s:.2f} ms", f"{100 * bus.share:.0f} %", f"{bus.largest_rate_hz} Hz"]
             for bus in buses
         ])
     for bus in buses:

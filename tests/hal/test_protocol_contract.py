@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from hal import dynamixel1_protocol, dynamixel_protocol, feetech_protocol
 from hal.protocol import GroupReply, ServoProtocol, Status
+from hal.whole_reply import WholeReply
 
 Answer = tuple[int, bytes]  # id, data
 
@@ -252,3 +253,44 @@ class TestInstructions:
     def test_nobody_answers_a_broadcast_read(self, brand: Brand) -> None:
         with pytest.raises(ValueError, match="no servo answers a broadcast read"):
             brand.module.read(254, 56, 2)
+
+
+class TestUsualReply:
+    """A reply that is known at one look is what it would be if it were taken apart."""
+
+    def test_the_data_lie_where_the_outline_says(self, brand: Brand) -> None:
+        reply = brand.read(IDS)
+        assert isinstance(reply, WholeReply)
+        reply.feed(brand.answers(ANSWERS))
+        assert reply.complete
+        assert reply.whole is not None
+        lead, before, after = reply.outline
+        size = before + 4 + after
+        found = [reply.whole[at + before : at + before + 4] for at in range(lead, lead + 3 * size, size)]
+        assert found == [data for _, data in ANSWERS]
+        assert reply.results == GOOD
+
+    def test_one_with_a_garbled_bit_is_not(self, brand: Brand) -> None:
+        good = brand.answers(ANSWERS)
+        for bit in range(8 * len(good)):
+            garbled = bytearray(good)
+            garbled[bit // 8] ^= 1 << bit % 8
+            reply, piecewise = brand.read(IDS), brand.read(IDS)
+            assert isinstance(reply, WholeReply)
+            reply.feed(bytes(garbled))
+            assert reply.whole is None
+            for byte in garbled:
+                piecewise.feed(bytes((byte,)))
+            assert reply.results == piecewise.results
+            assert reply.results != GOOD
+
+    def test_nor_is_one_from_another_servo_or_with_an_alert(self, brand: Brand) -> None:
+        others = [brand.answers([ANSWERS[0], (6, ANSWERS[1][1]), ANSWERS[2]])]
+        if brand.answers is not dynamixel_joint_status:
+            others.append(b"".join(brand.status(*answer, alert=answer[0] == 2) for answer in ANSWERS))
+        for data in others:
+            reply = brand.read(IDS)
+            assert isinstance(reply, WholeReply)
+            reply.feed(data)
+            assert reply.whole is None
+            assert reply.results != GOOD
