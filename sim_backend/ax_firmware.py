@@ -35,6 +35,7 @@ class AxServo(FakeServo):
     """
 
     table: AxTable
+    knows_bulk_read = False
 
     def __init__(self, physics: ServoPhysics, index: int, **factory_settings: int) -> None:
         """Make the servo of one entry of `physics`, new but for some registers of the EEPROM."""

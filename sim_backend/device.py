@@ -9,7 +9,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import ClassVar, Generic, NamedTuple, Protocol, TypeVar
 
-from sim_backend.fake_servo import FakeServo
 from sim_backend.reply import Reply as Reply  # named twice: what devices return
 from sim_backend.reply import collide
 
@@ -18,7 +17,36 @@ _PING_SLOT_NS = 3_000_000  # per id, after a broadcast ping: what the hosts' lib
 _BITS_PER_BYTE = 10  # 8N1
 _NS = 1_000_000_000
 
-Servo = TypeVar("Servo", bound=FakeServo)
+
+
+class BusServo(Protocol):
+    """What a device needs of a servo, besides that it obeys."""
+
+    @property
+    def id(self) -> int:
+        """What it answers to."""
+        ...
+
+    @property
+    def return_delay_ns(self) -> int:
+        """From the end of an instruction to the answer."""
+        ...
+
+    @property
+    def later_ids_answer(self) -> bool:
+        """Whether it answers a read of many behind a silent servo."""
+        ...
+
+    def listens(self, now: int, baud: int) -> bool:
+        """Whether bytes at `baud` reach it at `now` ns."""
+        ...
+
+    def utter(self, reply: Reply) -> Reply | None:
+        """Return what of an answer goes onto the wire."""
+        ...
+
+
+Servo = TypeVar("Servo", bound=BusServo)
 
 
 class Device(Protocol):

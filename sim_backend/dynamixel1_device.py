@@ -1,18 +1,28 @@
-"""The device side of Dynamixel Protocol 1.0: all AX servos of one bus, seen from the wire.
+"""The device side of Dynamixel Protocol 1.0: all its servos on one bus, seen from the wire.
 
-The frames are those of `checksum_frames`. A broadcast gets no answer whatever it asks: not a ping, and not the MX
-series' bulk read, which an AX does not know. Source: ROBOTIS e-Manual, Protocol 1.0.
+The frames are those of `checksum_frames`. A broadcast gets no answer, not even a ping, but for the bulk read, which the
+AX series does not know. Source: ROBOTIS e-Manual, Protocol 1.0.
 """
 
+import struct
 from collections.abc import Sequence
 from enum import IntEnum
 from functools import partial
 
-from sim_backend.ax_firmware import AxServo
 from sim_backend.ax_table import Refusal, RefusedError
 from sim_backend.checksum_frames import BROADCAST, LARGEST_DATA, RANGE, ChecksumParser, status
-from sim_backend.device import Packet, Reply, ServoDevice, answers_at_once, sync_write_blocks
+from sim_backend.device import (
+    Packet,
+    Reply,
+    ServoDevice,
+    answers_at_once,
+    answers_in_turn,
+    sync_write_blocks,
+)
+from sim_backend.dynamixel1_servo import Protocol1Servo
 from sim_backend.reply import collide
+
+_ITEM = struct.Struct("BBB")  # of a bulk read: length, id, address
 
 
 class Instruction(IntEnum):
@@ -26,6 +36,7 @@ class Instruction(IntEnum):
     FACTORY_RESET = 0x06
     REBOOT = 0x08
     SYNC_WRITE = 0x83
+    BULK_READ = 0x92
 
 
 class StatusReturnLevel(IntEnum):
@@ -40,17 +51,22 @@ _ANSWERED_FROM: dict[int, int] = {  # the others from ALL
     Instruction.PING: StatusReturnLevel.PING, Instruction.READ: StatusReturnLevel.READ}
 
 
-class Dynamixel1Device(ServoDevice[AxServo]):
-    """All AX servos of one bus."""
+class Dynamixel1Device(ServoDevice[Protocol1Servo]):
+    """All servos of one bus that speak this protocol."""
 
-    def __init__(self, servos: Sequence[AxServo]) -> None:
+    def __init__(self, servos: Sequence[Protocol1Servo]) -> None:
         super().__init__(servos, ChecksumParser())
 
-    def _obey(self, packet: Packet, listening: list[AxServo], now: int, byte_ns: int) -> list[Reply]:
-        if not packet.intact:
+    def _obey(self, packet: Packet, listening: list[Protocol1Servo], now: int, byte_ns: int) -> list[Reply]:
+        if packet.intact:
+            for servo in listening:
+                servo.hear(now)
+        else:
             return _report_bad_checksum(packet, listening, byte_ns)
         if packet.id != BROADCAST:
             return collide(_answer(packet, listening, now, byte_ns), byte_ns)
+        if packet.instruction == Instruction.BULK_READ:
+            return _bulk_read(packet.parameters, listening, now, byte_ns)
         if packet.instruction == Instruction.SYNC_WRITE:
             _sync_write(packet.parameters, listening)
         else:
@@ -59,7 +75,7 @@ class Dynamixel1Device(ServoDevice[AxServo]):
         return []
 
 
-def _report_bad_checksum(packet: Packet, listening: list[AxServo], byte_ns: int) -> list[Reply]:
+def _report_bad_checksum(packet: Packet, listening: list[Protocol1Servo], byte_ns: int) -> list[Reply]:
     addressed = [
         servo for servo in listening
         if servo.id == packet.id and servo.status_return_level == StatusReturnLevel.ALL]
@@ -67,7 +83,7 @@ def _report_bad_checksum(packet: Packet, listening: list[AxServo], byte_ns: int)
         addressed, lambda servo: status(servo.id, Refusal.CHECKSUM | servo.conditions), byte_ns)
 
 
-def _answer(packet: Packet, listening: list[AxServo], now: int, byte_ns: int) -> list[Reply]:
+def _answer(packet: Packet, listening: list[Protocol1Servo], now: int, byte_ns: int) -> list[Reply]:
     """Let the addressed servos obey; return the answer of each."""
     replies: list[Reply] = []
     for servo in listening:
@@ -83,7 +99,7 @@ def _answer(packet: Packet, listening: list[AxServo], now: int, byte_ns: int) ->
     return replies
 
 
-def _execute(servo: AxServo, packet: Packet, now: int) -> tuple[int, bytes]:
+def _execute(servo: Protocol1Servo, packet: Packet, now: int) -> tuple[int, bytes]:
     """Return the error byte and the data of the answer."""
     conditions = servo.conditions
     try:
@@ -92,7 +108,7 @@ def _execute(servo: AxServo, packet: Packet, now: int) -> tuple[int, bytes]:
         return conditions | refused.bits, b""
 
 
-def _carry_out(servo: AxServo, instruction: int, parameters: bytes, now: int) -> bytes:
+def _carry_out(servo: Protocol1Servo, instruction: int, parameters: bytes, now: int) -> bytes:
     """Return the data of the answer.
 
     Raises:
@@ -119,7 +135,25 @@ def _carry_out(servo: AxServo, instruction: int, parameters: bytes, now: int) ->
     return b""
 
 
-def _sync_write(parameters: bytes, listening: list[AxServo]) -> None:
+def _bulk_read(
+    parameters: bytes, listening: list[Protocol1Servo], now: int, byte_ns: int
+) -> list[Reply]:
+    """Let each servo listed answer with its own range; of one that is listed twice, the first counts."""
+    if parameters[:1] != b"\0" or len(parameters) % _ITEM.size != 1:
+        return []
+    ranges: dict[int, bytes] = {}
+    for length, servo_id, address in _ITEM.iter_unpack(parameters[1:]):
+        ranges.setdefault(servo_id, bytes((address, length)))
+
+    def answer(servo: Protocol1Servo) -> bytes | None:
+        if not servo.knows_bulk_read or servo.status_return_level < StatusReturnLevel.READ:
+            return None
+        return status(servo.id, *_execute(servo, Packet(servo.id, Instruction.READ, ranges[servo.id]), now))
+
+    return answers_in_turn(ranges, listening, answer, byte_ns)
+
+
+def _sync_write(parameters: bytes, listening: list[Protocol1Servo]) -> None:
     """Write to every listed servo; nobody tells whether it took it."""
     if len(parameters) <= RANGE.size:
         return

@@ -1,7 +1,7 @@
 """The firmware of a Dynamixel, from its registers to its motor: start-up, modes, profiles, protections.
 
-Not modelled: blinking LEDs, the PWM slope (stored without effect). A protocol type other than 2 makes a servo deaf
-here: what it speaks then is no Protocol 2.0.
+Not modelled: blinking LEDs, the PWM slope (stored without effect); the protocols of remote controls, so that a protocol
+type of 20 or more makes a servo deaf.
 """
 
 from hal.register_map import DynamixelFirmware, Memory
@@ -19,7 +19,6 @@ INPUT_VOLTAGE, OVERHEATING, ENCODER, SHOCK, OVERLOAD = 0x01, 0x04, 0x08, 0x10, 0
 _TORQUE_ON_BY_GOAL = 0x08  # bit of drive_mode
 _TORQUE_ON_AT_START, _BACKUP_AT_START = 0x01, 0x02  # bits of startup_configuration
 _NO_SECONDARY_ID = 253  # and above
-_PROTOCOL_2 = 2  # of protocol_type
 _WATCHDOG_TRIPPED = 0xFF
 _ONGOING, _FOLLOWING_ERROR, _SHAPE = 1, 3, 4  # shifts in moving_status, whose lowest bit means arrived
 _SET_BY_MODE = (  # back to default when the operating mode changes
@@ -37,6 +36,7 @@ class DynamixelCore(FakeServo):
         alert: `ALERT` while a hardware error lasts, else 0.
         fast_sync_read: whether its firmware has that instruction, and fast bulk read.
         keeps_backup: whether its firmware has control table backup.
+        protocol: which it speaks: 1 or 2; beyond, one that is none of a bus.
     """
 
     table: DynamixelTable
@@ -105,10 +105,6 @@ class DynamixelCore(FakeServo):
         if seconds and self._firmware.shock_at_power_up:
             self._fail(SHOCK)
 
-    def listens(self, now: int, baud: int) -> bool:
-        """Whether bytes at `baud` reach the firmware at `now` ns."""
-        return self._speaks and super().listens(now, baud)
-
     def _show(self, present: list[int]) -> None:
         moving, arrived, in_profile, shape, *values = present
         duty, load, speed, position, goal_speed, goal_position, current, supply, temperature = values
@@ -124,7 +120,7 @@ class DynamixelCore(FakeServo):
         self._configure_line()
         self.secondary_id = table["secondary_id"] if table["secondary_id"] < _NO_SECONDARY_ID else None
         self.status_return_level = table["status_return_level"]
-        self._speaks = table["protocol_type"] == _PROTOCOL_2
+        self.protocol = table["protocol_type"]
         self.fast_sync_read = self._reaches(self.model.fast_sync_read_firmware)
         self.keeps_backup = self._reaches(self.model.backup_firmware)
         self._mode = table["operating_mode"]

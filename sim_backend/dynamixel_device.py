@@ -1,5 +1,6 @@
 """The device side of Dynamixel Protocol 2.0: all servos of one bus, seen from the wire.
 
+Servos that have been told to speak Protocol 1.0 share the wire, each deaf to the other protocol.
 Frames: `dynamixel_frames`. What one servo makes of an instruction: `dynamixel_instructions`. Reads and writes of many
 servos: `dynamixel_groups`. Source: ROBOTIS e-Manual, Protocol 2.0.
 """
@@ -8,7 +9,9 @@ from collections.abc import Sequence
 from functools import partial
 
 from sim_backend.device import Packet, Reply, ServoDevice, answers_at_once, answers_in_slots
+from sim_backend.dynamixel1_device import Dynamixel1Device
 from sim_backend.dynamixel_firmware import DynamixelServo
+from sim_backend.dynamixel_first_protocol import FirstProtocol
 from sim_backend.dynamixel_frames import BROADCAST, STATUS, DynamixelParser, status
 from sim_backend.dynamixel_groups import (
     bulk_ranges,
@@ -22,6 +25,7 @@ from sim_backend.dynamixel_instructions import ANSWERED_FROM, Instruction, Statu
 from sim_backend.dynamixel_table import ErrorNumber
 from sim_backend.reply import collide
 
+_PROTOCOL = 2
 _RESET_IDS_TOO = b"\xff"  # parameter of a factory reset
 
 
@@ -30,8 +34,16 @@ class DynamixelDevice(ServoDevice[DynamixelServo]):
 
     def __init__(self, servos: Sequence[DynamixelServo]) -> None:
         super().__init__(servos, DynamixelParser())
+        self._protocol_1 = Dynamixel1Device([FirstProtocol(servo) for servo in servos])
+
+    def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
+        """Take bytes, the last of which arrives at `now` ns; return what is answered, in order."""
+        # Before the others: an instruction may change the protocol, and is not to be heard twice.
+        first = self._protocol_1.receive(data, now, baud) if any(s.protocol == 1 for s in self._servos) else []
+        return first + super().receive(data, now, baud)
 
     def _obey(self, packet: Packet, listening: list[DynamixelServo], now: int, byte_ns: int) -> list[Reply]:
+        listening = [servo for servo in listening if servo.protocol == _PROTOCOL]
         if not packet.intact:
             return _report_bad_crc(packet, listening, byte_ns)
         if packet.instruction == STATUS:

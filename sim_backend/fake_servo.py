@@ -75,6 +75,9 @@ class FakeServo(ABC):
     def _show(self, present: list[int]) -> None:
         """Bring the fields of `servo_physics.Present` into the table."""
 
+    def hear(self, now: int) -> None:  # noqa: B027 (of use to those with a watchdog alone)
+        """Note that an instruction, to whomever, came over the bus."""
+
     def listens(self, now: int, baud: int) -> bool:
         """Whether bytes at `baud` reach the firmware at `now` ns."""
         return baud == self._baud and self._is_awake(now)

@@ -70,7 +70,7 @@ class TourBench:
 
     def __init__(
         self, name: str, *ids: int, switches: Mapping[str, object] = {}, clock: SimulatedClock | None = None,
-        step_ns: int = MS, **settings: int,
+        step_ns: int = MS, frames: str | None = None, **settings: int,
     ) -> None:
         model = load_servo(name)
         self.model = model.model_copy(update={"firmware": model.firmware.model_copy(update=switches)})
@@ -82,7 +82,7 @@ class TourBench:
             for index, servo_id in enumerate(ids)]
         self.clock = clock or SimulatedClock()
         self._step_ns = step_ns
-        self.witness = Witness(make_device("tour", self.servos), self.model.frames)
+        self.witness = Witness(make_device("tour", self.servos), frames or self.model.frames)
         self.port = SimulatedPort(self.clock, self.witness, BAUD)
         self.turned = 0.0  # of all shafts, counts
         self._step()

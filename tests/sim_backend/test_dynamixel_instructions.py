@@ -159,9 +159,9 @@ class TestSecondaryId:
 
 
 class TestSwitches:
-    def test_protocol_1_is_not_understood(self) -> None:
-        bus = Bus(1)
-        assert bus.ask(write(1, 13, b"\1")) == DONE
+    def test_another_protocol_type_makes_it_deaf(self) -> None:
+        bus = Bus(1, model=load_servo("xl330-m288"))
+        assert bus.ask(write(1, 13, b"\x14")) == DONE
         assert bus.ask(frame(1, b"\1")) == []
 
     @pytest.mark.parametrize("new", [False, True])
