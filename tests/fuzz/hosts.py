@@ -11,6 +11,7 @@ from typing import NamedTuple
 from hal import dynamixel1_protocol, dynamixel_protocol, feetech_protocol
 from hal.frame_splitter import Frame, Splitter
 from hal.protocol import GroupReply, Receiver, Status
+from hal.whole_reply import WholeReply
 
 from . import oracle
 from .garble import garbled, pieces
@@ -111,7 +112,8 @@ def joint(reply: GroupReply) -> Callable[[Random], bytes]:
             (servo_id, error & 0x7F, error >= 0x80, data)
             for servo_id, error, data in oracle.joint_blocks(stream, _LENGTHS)}
         _check([status for status in reply.results.values() if status is not None], held)
-        assert len(reply._pending) <= _KEPT  # type: ignore[attr-defined]
+        careful = reply._careful if isinstance(reply, WholeReply) else reply
+        assert len(careful._pending) <= _KEPT  # type: ignore[attr-defined]
         _whole(rng, reply, _IDS, oracle.dynamixel_joint)
         return stream
 
