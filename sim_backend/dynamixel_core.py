@@ -19,6 +19,7 @@ INPUT_VOLTAGE, OVERHEATING, ENCODER, SHOCK, OVERLOAD = 0x01, 0x04, 0x08, 0x10, 0
 _TORQUE_ON_BY_GOAL = 0x08  # bit of drive_mode
 _TORQUE_ON_AT_START, _BACKUP_AT_START = 0x01, 0x02  # bits of startup_configuration
 _NO_SECONDARY_ID = 253  # and above
+_KEEPS_OWN_ID = 42  # the first firmware that refuses to lose it together with all others (e-Manual, Factory Reset)
 _WATCHDOG_TRIPPED = 0xFF
 _ONGOING, _FOLLOWING_ERROR, _SHAPE = 1, 3, 4  # shifts in moving_status, whose lowest bit means arrived
 _SET_BY_MODE = (  # back to default when the operating mode changes
@@ -36,6 +37,7 @@ class DynamixelCore(FakeServo):
         alert: `ALERT` while a hardware error lasts, else 0.
         fast_sync_read: whether its firmware has that instruction, and fast bulk read.
         keeps_backup: whether its firmware has control table backup.
+        keeps_own_id: whether it refuses a reset that would give all servos of a bus one id.
         protocol: which it speaks: 1 or 2; beyond, one that is none of a bus.
     """
 
@@ -123,6 +125,7 @@ class DynamixelCore(FakeServo):
         self.protocol = table["protocol_type"]
         self.fast_sync_read = self._reaches(self.model.fast_sync_read_firmware)
         self.keeps_backup = self._reaches(self.model.backup_firmware)
+        self.keeps_own_id = self._reaches(_KEEPS_OWN_ID)
         self._mode = table["operating_mode"]
         self._torque = bool(table["torque_enable"])
         self._torque_by_goal = bool(table["drive_mode"] & _TORQUE_ON_BY_GOAL)

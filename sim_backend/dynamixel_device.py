@@ -80,11 +80,11 @@ def _answer(packet: Packet, listening: list[DynamixelServo], now: int, byte_ns: 
             sync_write(parameters, listening)
         case Instruction.BULK_WRITE:
             bulk_write(parameters, listening)
-        case Instruction.FACTORY_RESET if parameters == _RESET_IDS_TOO:
-            pass  # refused: all servos would get one id
         case _:
+            all_ids = packet.instruction == Instruction.FACTORY_RESET and parameters == _RESET_IDS_TOO
             for servo in listening:
-                execute(servo, packet.instruction, parameters, now)
+                if not (all_ids and servo.keeps_own_id):
+                    execute(servo, packet.instruction, parameters, now)
     return []
 
 

@@ -64,7 +64,8 @@ class DynamixelTable(ControlTable):
         self._blocks = tuple(_blocks(model.registers))
         self._pointers = _pointers(model)  # address of an indirect data byte: address of its pointer
         self._first_pointed = min(self._pointers, default=_NOWHERE)
-        self._measures_current = any(r.name == "current_limit" for r in model.registers)
+        self._measures_current = "current_limit" in model.by_name
+        self._limits_acceleration = "acceleration_limit" in model.by_name
         self._goal_limits: dict[str, tuple[int, int]] | None = None  # by the EEPROM's registers of now
         super().__init__(model)
 
@@ -163,6 +164,8 @@ class DynamixelTable(ControlTable):
         limits = {"goal_velocity": (-speed, speed), "goal_pwm": (-pwm, pwm)}
         if self._measures_current:
             limits["goal_current"] = -self["current_limit"], self["current_limit"]
+        if self._limits_acceleration:
+            limits["profile_acceleration"] = 0, self["acceleration_limit"]
         if self["operating_mode"] == OperatingMode.POSITION:
             limits["goal_position"] = self["min_position_limit"], self["max_position_limit"]
         return limits

@@ -135,6 +135,17 @@ class TestFirmwareVersion:
         assert Bus(1, firmware_version=44).ask(write(1, 10, b"\x08")) == [status(1, 4)]
         assert Bus(1, firmware_version=44).ask(write(1, 60, b"\1")) == [status(1, 7)]
 
+    @pytest.mark.parametrize(("version", "ids"), [(41, [1, 1]), (42, [3, 4])])
+    def test_a_reset_of_all_to_one_id_is_refused_from_42_on(self, version: int, ids: list[int]) -> None:
+        bus = Bus(3, 4, firmware_version=version)
+        assert bus.ask(frame(0xFE, b"\x06\xff")) == []
+        assert [servo.id for servo in bus.servos] == ids
+
+    def test_the_mx_limits_its_profiles_acceleration(self) -> None:
+        bus = Bus(1, model=load_servo("mx-28"), acceleration_limit=100)
+        assert bus.ask(write(1, 108, b"\x64\0\0\0")) == DONE
+        assert bus.ask(write(1, 108, b"\x65\0\0\0")) == [status(1, 6)]
+
     def test_the_bus_watchdog_came_with_38(self) -> None:
         assert Bus(1, firmware_version=38).ask(write(1, 98, b"\1")) == DONE
         assert Bus(1, firmware_version=37).ask(write(1, 98, b"\1")) == [status(1, 7)]
