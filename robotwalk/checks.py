@@ -37,6 +37,10 @@ def require_consistent(document: Document, config: RobotConfig) -> None:
     for name in legs:
         if name not in feet:
             raise document.error(("locomotion", "feet"), f"leg {name!r} is missing")
+    for name in config.locomotion.reaction.weights:
+        if name not in legs:
+            raise document.error(
+                ("locomotion", "reaction", "weights", name), f"no such leg; there are {', '.join(legs)}")
     height = config.locomotion.height_mm
     if not height.sit < height.lowest <= height.stand <= height.highest:
         raise document.error(

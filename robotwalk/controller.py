@@ -9,6 +9,7 @@ from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.kinematics import solver_for
 from robotwalk.model import RobotModel
+from robotwalk.reaction import Reaction
 from robotwalk.rocking import Rocking
 from robotwalk.steering import Steering
 from robotwalk.stepping import Footfalls, Stepping
@@ -61,6 +62,7 @@ class Controller:
         self._stepping = Stepping(model, self._body.course)
         self._sway = Sway(model)
         self._rocking = Rocking(model)
+        self._reaction = Reaction(model)
         self._steering = Steering()
         self._pose = self._body.pose
 
@@ -79,10 +81,13 @@ class Controller:
         pose = self._body.step(twist, height, posture, dt)
         self._turn_needle(twist, bearable, dt)
         self._waiting = self._balance(pose, twist)
-        self._pose = self._rocking.step(self._sway.step(pose, dt), self._clock, not self._idle, dt)
+        rocked = self._rocking.step(self._sway.step(pose, dt), self._clock, not self._idle, dt)
+        self._pose = self._reaction.step(
+            rocked, self._clock, self._stepping.footfalls(), self._body.course, not self._idle, dt)
         footfalls = self._step_feet(twist, dt)
         angles, reach_error = self._angles(footfalls)
-        settled = self._idle and self._sway.at_rest and self._rocking.at_rest and self._body.settled(height, posture)
+        at_rest = self._idle and self._sway.at_rest and self._rocking.at_rest and self._reaction.at_rest
+        settled = at_rest and self._body.settled(height, posture)
         lowered = height == self._model.heights.sit
         return Wanted(
             angles, twist, shaped.scale, footfalls.planted, reach_error,

@@ -4,13 +4,13 @@ Joints are ordered leg by leg as in the robot's file, and along each leg from th
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
-from robotwalk.config.schema import LegConfig, LocomotionConfig, RobotConfig, Solver
+from robotwalk.config.schema import LegConfig, LocomotionConfig, ReactionConfig, RobotConfig, Solver
 from robotwalk.swing_paths import SwingPath, swing_path
 from robotwalk.types import Vec3
 
@@ -76,6 +76,24 @@ class MotionLimits(NamedTuple):
     min_swing: float  # s
 
 
+class Reactions(NamedTuple):
+    """How the body answers to its feet; gains without unit."""
+
+    height: float
+    weights: tuple[float, ...]  # of the legs, adding up to 1
+    bob: float
+    turn: float
+    turn_by: Literal["angles", "forward"]
+    damping: float  # s
+    largest_bob: float  # m
+    largest_turn: float  # rad
+
+    @property
+    def off(self) -> bool:
+        """Tell whether the body does not answer at all."""
+        return self.height == self.bob == self.turn == 0.0
+
+
 @dataclass(frozen=True)
 class RobotModel:
     """Everything that locomotion knows of a robot."""
@@ -88,6 +106,7 @@ class RobotModel:
     foot_mass: float
     heights: Heights
     motion: MotionLimits
+    reactions: Reactions
 
     @cached_property
     def joints(self) -> tuple[Joint, ...]:
@@ -141,7 +160,15 @@ class RobotModel:
                 turn_acceleration=math.radians(motion.turn_acceleration_deg_s2),
                 min_swing=motion.min_swing_s,
             ),
+            reactions=_reactions(motion.reaction, skeleton.legs),
         )
+
+
+def _reactions(config: ReactionConfig, legs: Iterable[str]) -> Reactions:
+    weights = [config.weights.get(leg, 1.0) for leg in legs]
+    return Reactions(
+        config.height, tuple(weight / sum(weights) for weight in weights), config.bob, config.turn, config.turn_by,
+        config.damping_s, _metres(config.largest_bob_mm), math.radians(config.largest_turn_deg))
 
 
 def _metres(millimetres: float) -> float:

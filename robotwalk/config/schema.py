@@ -132,6 +132,23 @@ class FootfallConfig(Section):
 Solver = Literal["closed_form", "ccd"]
 
 
+NotNegative = Annotated[float, Field(ge=0)]
+
+
+class ReactionConfig(Section):
+    """How the body answers to its feet. Each answer is off at a gain of 0."""
+
+    height: NotNegative = 0.0  # share of the height that pseudo-physics gives (PPS section 4)
+    weights: dict[str, Positive] = {}  # of legs in it; those that are not named have 1
+    bob: NotNegative = 0.0  # of the feet's mean height (LAYER)
+    turn: NotNegative = 0.0  # of the angle that `turn_by` gives
+    # The mean angle of the feet about the body (LAYER), or that between the sides, by which is forward (PARAM).
+    turn_by: Literal["angles", "forward"] = "angles"
+    damping_s: Positive = 0.15
+    largest_bob_mm: Positive = 8.0
+    largest_turn_deg: Positive = 5.0
+
+
 class LocomotionConfig(Section):
     """How the robot may move."""
 
@@ -144,6 +161,7 @@ class LocomotionConfig(Section):
     swing_path: SwingPathConfig
     solver: Solver | None = None  # of inverse kinematics; None: a closed form where there is one, else ccd
     feet: dict[str, FootfallConfig]
+    reaction: ReactionConfig = ReactionConfig()
 
 
 class RobotConfig(Section):
