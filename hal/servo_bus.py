@@ -103,6 +103,7 @@ class SerialServoBus:
                 if line.watchdogs.due:
                     line.wire.send(line.watchdogs.armed(b""))
             self._wait(_QUIET)
+            self._max_age = dict.fromkeys(self._max_age, 0.0)  # until here nobody was in a hurry
         except BaseException:
             if not stands:
                 self.disarm()

@@ -104,5 +104,5 @@ class BusStatistics(NamedTuple):
     transactions: int
     lost_replies: int  # joint samples asked for and not received
     bad_frames: int
-    max_age: float  # s, the longest that any joint was out of date
+    max_age: float  # s, the longest that any joint was out of date since torque came on
     watchdog_trips: int  # servos that had stopped, for they heard nothing for too long

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import NamedTuple
 
 from hal import bus_plan
@@ -19,7 +20,7 @@ from robotwalk.assembly.calibration import calibrate
 from robotwalk.config import library
 from robotwalk.config.document import Document
 from robotwalk.config.schema import RobotConfig
-from robotwalk.errors import ConfigError
+from robotwalk.errors import ConfigError, UsageError
 from robotwalk.gait import Gait
 from robotwalk.gait_rules import fitted, read_gait
 from robotwalk.model import RobotModel
@@ -122,13 +123,16 @@ class Blueprint:
 def load(robot: str, *, calibrated: bool = False) -> Blueprint:
     """Read a robot and all that it refers to; `calibrated`: as the one that was built is, not as its file has it.
 
+    A servo's file in the folder `servos` beside the robot's counts before the bundled one of its name.
+
     Simulations are not calibrated, or the same file would walk otherwise on another computer.
 
     Raises:
         UsageError: no robot is bundled under that name.
         ConfigError: a file is wrong.
     """
-    files = Files(library.open_document("robots", robot), _bundled("servos"), _bundled("gaits"))
+    servos = {**_bundled("servos"), **library.beside(robot, "servos")}
+    files = Files(library.open_document("robots", robot), servos, _bundled("gaits"))
     path = library.calibration_path(robot)
     if calibrated and path.exists():
         files = files._replace(calibration=Document.read(path))
@@ -163,6 +167,19 @@ def build(files: Files) -> Blueprint:
 def load_servo(name: str) -> ServoModel:
     """Read a bundled servo model."""
     return library.open_document("servos", name).validate(ServoModel)
+
+
+def load_servos(own: Path | None = None) -> dict[str, ServoModel]:
+    """Read all bundled servo models, and those in a folder of the user's own, which count before them.
+
+    Raises:
+        UsageError: there is no such folder.
+        ConfigError: a file is wrong.
+    """
+    if own is not None and not own.is_dir():
+        raise UsageError(f"{own} is no folder with servos' files")
+    documents = {**_bundled("servos"), **(library.folder(own, "servos") if own is not None else {})}
+    return {name: document.validate(ServoModel) for name, document in documents.items()}
 
 
 def _bundled(kind: library.Kind) -> dict[str, Document]:

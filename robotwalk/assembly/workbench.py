@@ -1,6 +1,6 @@
 """One serial line and its servos, for the tools of `robotwalk servo`: no robot's file is needed."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
@@ -28,11 +28,12 @@ from hal.maintenance.wiggle import Wiggled as Wiggled
 from hal.maintenance.wiggle import wiggle as wiggle
 from hal.register_map import ProtocolName as ProtocolName
 from hal.register_map import Register as Register
+from hal.register_map import ServoModel as ServoModel
 from hal.serial_transport import names_hardware, open_port
 from hal.wired import Wired as Wired
-from robotwalk.assembly.blueprint import Blueprint, load, load_servo
+from robotwalk.assembly.blueprint import Blueprint, load
+from robotwalk.assembly.blueprint import load_servos as load_servos
 from robotwalk.clock import WallClock
-from robotwalk.config import library
 from robotwalk.config.document import Document
 from robotwalk.errors import ServoError, UsageError
 
@@ -95,8 +96,13 @@ def seat(robot: str, joint: str, port: str | None, *, calibrated: bool = True) -
 
 
 @contextmanager
-def bench(url: str, *, baud: int, protocol: str | None, real: bool, writes: bool) -> Iterator[Bench]:
+def bench(
+    url: str, *, baud: int, protocol: str | None, real: bool, writes: bool,
+    servos: Mapping[str, ServoModel] | None = None,
+) -> Iterator[Bench]:
     """Open one line for the maintenance of single servos; `protocol` is the only one to be tried, if given.
+
+    They are of one of the models `servos`, by default of a bundled one.
 
     Raises:
         UsageError: no servo has this baud rate or protocol, or a physical one would be changed and was not asked for.
@@ -104,7 +110,7 @@ def bench(url: str, *, baud: int, protocol: str | None, real: bool, writes: bool
     """
     if writes and not real and names_hardware(url):
         raise UsageError(f"{url} may be a physical robot, and this changes or moves a servo: say --real to do it")
-    models = [model for model in map(load_servo, library.names("servos")) if protocol in (None, model.protocol)]
+    models = [model for model in (servos or load_servos()).values() if protocol in (None, model.protocol)]
     bauds = sorted({rate for model in models for rate in model.baud_rates})
     if baud not in bauds:
         whose = f"of {protocol}" if protocol else "that we know"
@@ -116,23 +122,23 @@ def bench(url: str, *, baud: int, protocol: str | None, real: bool, writes: bool
         port.close()
 
 
-def read_backup(path: Path) -> Backup:
-    """Read the backup of a servo.
+def read_backup(path: Path, servos: Mapping[str, ServoModel]) -> Backup:
+    """Read the backup of a servo of one of these models.
 
     Raises:
         ConfigError: the file is wrong.
     """
     document = Document.read(path)
     backup = document.validate(Backup)
-    if backup.model not in library.names("servos"):
-        raise document.error(("model",), f"no such servo; there are {', '.join(library.names('servos'))}", backup.model)
-    for name, what, got in backup_file.problems(backup, load_servo(backup.model)):
+    if backup.model not in servos:
+        raise document.error(("model",), f"no such servo; there are {', '.join(servos)}", backup.model)
+    for name, what, got in backup_file.problems(backup, servos[backup.model]):
         raise document.error(("registers", name), what, got)
     return backup
 
 
-def backup_text(backup: Backup, path: Path) -> str:
+def backup_text(backup: Backup, path: Path, servos: Mapping[str, ServoModel]) -> str:
     """Return what to write to a file of that name: JSON if it is called so, else YAML."""
     if path.suffix == ".json":
         return backup_file.to_json(backup)
-    return backup_file.to_yaml(backup, load_servo(backup.model))
+    return backup_file.to_yaml(backup, servos[backup.model])

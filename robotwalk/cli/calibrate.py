@@ -68,7 +68,8 @@ def _calibrate(
     wired, at_deg = seat.wired, calibrating.reference_deg(seat)
     axis = joint_of(seat).axis
     with workbench.bench(
-            seat.url, baud=seat.baud, protocol=wired.model.protocol, real=real, writes=True) as bench:
+            seat.url, baud=seat.baud, protocol=wired.model.protocol, real=real, writes=True,
+            servos=seat.blueprint.servos) as bench:
         servo = seat.servo(bench)
         hand = calibrating.Hand(servo, bench.clock)
         say(f"\n{wired.joint}, {servo}: by the file {math.degrees(wired.lower):.0f} to "

@@ -34,6 +34,24 @@ def open_document(kind: Kind, name: str) -> Document:
     return _open_servo(name, ()) if kind == "servos" else Document.read(_path(kind, name))
 
 
+def beside(robot: str, kind: Kind) -> dict[str, Document]:
+    """Read the user's own files of a kind: those in a folder of its name beside the robot's file, by their names.
+
+    Raises:
+        ConfigError: one cannot be read or is no YAML.
+    """
+    return folder(Path(robot).parent / kind, kind) if _is_path(robot) else {}
+
+
+def folder(path: Path, kind: Kind) -> dict[str, Document]:
+    """Read all files of a kind in a folder, by their names.
+
+    Raises:
+        ConfigError: one cannot be read or is no YAML.
+    """
+    return {file.stem: open_document(kind, str(file)) for file in sorted(path.glob("*.yaml"))}
+
+
 def _open_servo(name: str, derived: tuple[str, ...]) -> Document:
     """Read a servo's file; `derived` are those that are based on it."""
     document = Document.read(_path("servos", name))

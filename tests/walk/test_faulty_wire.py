@@ -129,9 +129,9 @@ def scribbled_walk(robot: assembly.Blueprint, garbage: int) -> tuple[Scribe, lis
     return scribe, ticks, told
 
 
-@pytest.mark.parametrize("fast", [True, False])
-def test_no_goal_derives_from_a_failed_read(fast: bool) -> None:
-    robot = hexapod(fast=fast)
+@pytest.mark.parametrize(("fast", "later_ids_answer"), [(True, False), (False, False), (False, True)])
+def test_no_goal_derives_from_a_failed_read(fast: bool, later_ids_answer: bool) -> None:
+    robot = hexapod(fast=fast, later_ids_answer=later_ids_answer)
     scribe, ticks, told = scribbled_walk(robot, garbage=1)
     assert scribe.spoilt > 50
     assert sum(not all(tick.joints.valid) for tick in ticks) > 100

@@ -34,10 +34,11 @@ def adopt(
     """
     seat = workbench.seat(robot, joint, port)
     vacancy, model = seat.vacancy, seat.wired.model
-    settings = vacancy.settings(workbench.read_backup(backup) if backup else None)
+    settings = vacancy.settings(workbench.read_backup(backup, seat.blueprint.servos) if backup else None)
     search = Search()
     with workbench.bench(
-            seat.url, baud=baud or seat.baud, protocol=model.protocol, real=real, writes=True) as bench:
+            seat.url, baud=baud or seat.baud, protocol=model.protocol, real=real, writes=True,
+            servos=seat.blueprint.servos) as bench:
         search.run(bench, [baud] if baud else [rate for rate in bench.bauds() if rate in model.baud_rates])
         for clash in search.clashes:
             complain(str(clash))

@@ -36,7 +36,7 @@ def backup(
     with line.reading() as bench:
         saved = bench.backup(bench.servo(servo_id), time)
     try:
-        file.write_text(workbench.backup_text(saved, file))
+        file.write_text(workbench.backup_text(saved, file, line.models))
     except OSError as error:
         raise UsageError(f"{file} cannot be written: {error.strerror}") from error
     if json:
@@ -59,7 +59,7 @@ def restore(
     with_id
         Bring back the id and the baud rate too, last of all.
     """
-    saved = workbench.read_backup(file)
+    saved = workbench.read_backup(file, line.models)
     with line.writing() as bench:
         servo = bench.servo(servo_id)
         done = bench.restore(servo, saved, with_id=with_id)

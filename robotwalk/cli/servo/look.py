@@ -4,12 +4,13 @@ from typing import Any
 
 from robotwalk.assembly import workbench
 from robotwalk.cli.output import complain, progress_line, say, write_json, write_table
-from robotwalk.cli.servo.options import BAUD, Json, Line, Port, Protocol, Real, ServoId
+from robotwalk.cli.servo.options import BAUD, Json, Line, Port, Protocol, Real, ServoId, Servos
 from robotwalk.errors import BusError
 
 
 def scan(
-    *, port: Port, baud: int | None = None, protocol: Protocol = None, real: Real = False, json: Json = False
+    *, port: Port, baud: int | None = None, protocol: Protocol = None, real: Real = False, servos: Servos = None,
+    json: Json = False,
 ) -> int:
     """Find every servo on a line: all ids, at every baud rate and in every protocol. Ctrl-C shows what was found.
 
@@ -19,7 +20,9 @@ def scan(
         Look at this baud rate only.
     """
     search = Search()
-    with workbench.bench(port, baud=baud or BAUD, protocol=protocol, real=real, writes=False) as bench:
+    models = workbench.load_servos(servos)
+    with workbench.bench(
+            port, baud=baud or BAUD, protocol=protocol, real=real, writes=False, servos=models) as bench:
         try:
             search.run(bench, [baud] if baud else bench.bauds())
         except KeyboardInterrupt:

@@ -3,6 +3,8 @@
 import shlex
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -24,6 +26,7 @@ Protocol = Annotated[
     workbench.ProtocolName | None,
     Parameter(help="What the servos speak. Default: found out by asking.")]
 Baud = Annotated[int, Parameter(help="The line's baud rate.")]
+Servos = Annotated[Path | None, Parameter(help="A folder with files of servos that are not bundled.")]
 Real = Annotated[bool, Parameter(negative="", help="Allow this on a physical servo.")]
 Json = Annotated[bool, Parameter(name="--json", negative="", help="One JSON object on stdout.")]
 
@@ -37,10 +40,17 @@ class Line:
     baud: Baud = BAUD
     protocol: Protocol = None
     real: Real = False
+    servos: Servos = None
+
+    @cached_property
+    def models(self) -> dict[str, workbench.ServoModel]:
+        """The models that may be there."""
+        return workbench.load_servos(self.servos)
 
     def words(self, baud: int) -> str:
         """Return what to type for this line at a baud rate."""
-        parts = [f"--port {shlex.quote(self.port)}", f"--baud {baud}" * (baud != BAUD), "--real" * self.real]
+        own = f"--servos {shlex.quote(str(self.servos))}" if self.servos else ""
+        parts = [f"--port {shlex.quote(self.port)}", f"--baud {baud}" * (baud != BAUD), "--real" * self.real, own]
         return " ".join(filter(None, parts))
 
     def reading(self) -> AbstractContextManager[workbench.Bench]:
@@ -52,4 +62,5 @@ class Line:
         return self._open(writes=True)
 
     def _open(self, *, writes: bool) -> AbstractContextManager[workbench.Bench]:
-        return workbench.bench(self.port, baud=self.baud, protocol=self.protocol, real=self.real, writes=writes)
+        return workbench.bench(
+            self.port, baud=self.baud, protocol=self.protocol, real=self.real, writes=writes, servos=self.models)

@@ -51,7 +51,8 @@ def wiggle(
     else:
         url, rate = port, baud or BAUD
     interrupts = Interrupts()
-    with workbench.bench(url, baud=rate, protocol=spoken, real=real, writes=True) as bench:
+    models = seat.blueprint.servos if seat else None
+    with workbench.bench(url, baud=rate, protocol=spoken, real=real, writes=True, servos=models) as bench:
         servo = seat.servo(bench) if seat else bench.servo(int(who))
         interrupts.install()
         try:
