@@ -42,7 +42,7 @@ def calibrate(
         raise UsageError(f"--torque should be 5 to 50, not {torque:g}")
     seats = calibrating.seats(robot, joints, by_bus(port or []))
     file = calibrating.CalibrationFile(robot, seats[0].blueprint.model.name)
-    say(f"{len(seats)} joints; the calibration goes to {file.path}")
+    say(f"{len(seats)} joint{'s' * (len(seats) != 1)}; the calibration goes to {file.path}")
     done, interrupts = 0, Interrupts()
     interrupts.install()
     try:

@@ -135,11 +135,13 @@ def test_info_shows_every_register(servo: Run, brand: str) -> None:
     assert max(map(len, out.splitlines())) <= 100
 
 
-def test_read_and_write_in_units(servo: Run) -> None:
+def test_read_and_write_in_units(servo: Run, buses: dict[str, str], brand: str) -> None:
     before = servo("read", "3", "max_voltage_limit", "--json").json["registers"]["max_voltage_limit"]
     result = servo("write", "3", "max_voltage_limit=7.5V")
     assert result.code == 0
-    assert result.out == f"max_voltage_limit = 7.5 V, was {before['value']:g} V\n"
+    assert result.out == (
+        f"max_voltage_limit = 7.5 V, was {before['value']:g} V\n"
+        f"to undo: robotwalk servo write 3 max_voltage_limit={before['raw']} --raw --port {buses[brand]}\n")
     assert servo("write", "3", "max_voltage_limit=7.5").out == "max_voltage_limit = 7.5 V already; not written\n"
     assert servo("read", "3", "max_voltage_limit", "id").out == "max_voltage_limit = 7.5 V\nid = 3\n"
     assert servo("read", "3", "max_voltage_limit", "--raw").out == "max_voltage_limit = 75\n"
@@ -243,8 +245,9 @@ def test_a_servo_with_a_strange_id_is_adopted(servo: Run, buses: dict[str, str],
         f"id = {COUNT[brand]}, was 99\n"
         f"{joint}: the {MODEL[brand]} that was id 99 at 1000000 baud is id {COUNT[brand]} at 1000000 baud; "
         "all was read back\n"
-        f"its zero is not the old one's. Next: robotwalk calibrate {robot} --joint {joint}\n"
-        f"to undo, which makes it as it was when new: robotwalk servo factory-reset {COUNT[brand]} --yes "
+        f"its zero is not the old one's. Next: robotwalk calibrate {robot} {joint} "
+        f"--port legs={buses[brand]}\n"
+        f"to undo, with it alone on the line, which makes it as it was when new: robotwalk servo factory-reset {COUNT[brand]} --yes "
         f"--port {buses[brand]}\n")
     again = servo("adopt", robot, joint, "--baud", "1000000", "--id", str(COUNT[brand]), "--json").json
     assert (again["changes"], again["id"]) == ([], COUNT[brand])
@@ -315,6 +318,10 @@ def test_backup_and_restore(servo: Run, tmp_path: Path, brand: str) -> None:
     assert result.code == 0
     assert "max_voltage_limit = " in result.out
     assert "1 register changed" in result.out
+    [undo] = [line for line in result.out.splitlines() if line.startswith("to undo: robotwalk servo ")]
+    assert servo(*undo.removeprefix("to undo: robotwalk servo ").partition(" --port")[0].split()).code == 0
+    assert servo("read", "6", "max_voltage_limit").out == "max_voltage_limit = 7.5 V\n"
+    assert "1 register changed" in servo("restore", "6", file).out
     assert servo("restore", "6", file, "--json").json["changes"] == []
     other = servo("restore", "7", file)
     assert other.code == 0

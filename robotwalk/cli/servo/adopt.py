@@ -1,6 +1,9 @@
 """`robotwalk servo adopt`: a replacement takes a servo's place in a robot."""
 
 from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
 
 from robotwalk.assembly import workbench
 from robotwalk.cli.output import complain, say, write_json
@@ -8,9 +11,12 @@ from robotwalk.cli.servo.look import Search
 from robotwalk.cli.servo.options import Json, Line, Port, Real, ServoId
 from robotwalk.cli.servo.registers import change_fields, change_text
 
+_ID = "The new servo's id now, if that is one of the robot's; nothing else should be connected then."
+
 
 def adopt(
-    robot: str, joint: str, /, *, port: Port | None = None, backup: Path | None = None, id: ServoId | None = None,
+    robot: str, joint: str, /, *, port: Port | None = None, backup: Path | None = None,
+    id: Annotated[ServoId | None, Parameter(help=_ID)] = None,
     baud: int | None = None, real: Real = False, json: Json = False,
 ) -> None:
     """Set up a new servo for a joint: baud rate, id, no return delay, and what the robot needs of it.
@@ -27,8 +33,6 @@ def adopt(
         The joint's line; default: what the robot's file says.
     backup
         Of the old servo, from `robotwalk servo backup`: all that it kept is brought over, but not its offset.
-    id
-        The new servo's id now, if that is one of the robot's; nothing else should be connected then.
     baud
         The new servo's baud rate now. Default: all are looked at.
     """
@@ -47,7 +51,7 @@ def adopt(
         servo = bench.servo(new.id)
         before = servo.place
         changes = vacancy.fill(servo, settings)
-    calibrate = f"robotwalk calibrate {robot} --joint {joint}"
+    calibrate = f"robotwalk calibrate {robot} {joint} --port {seat.bus}={seat.url}" + " --real" * real
     undo = f"robotwalk servo factory-reset {servo.id} --yes {Line(port=seat.url, real=real).words(servo.place.baud)}"
     if json:
         write_json({
@@ -58,4 +62,4 @@ def adopt(
         say(change_text(change))
     say(f"{joint}: the {model.name} that was {before} is {servo.place}; all was read back")
     say(f"its zero is not the old one's. Next: {calibrate}")
-    say(f"to undo, which makes it as it was when new: {undo}")
+    say(f"to undo, with it alone on the line, which makes it as it was when new: {undo}")

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from robotwalk.assembly import workbench
 from robotwalk.cli.output import complain, say, write_json
 from robotwalk.cli.servo.options import Json, Line, ServoId
-from robotwalk.cli.servo.registers import change_fields, change_text
+from robotwalk.cli.servo.registers import change_fields, change_text, undo_of
 from robotwalk.errors import UsageError
 
 Flag = Parameter(negative="")
@@ -63,14 +63,17 @@ def restore(
     with line.writing() as bench:
         servo = bench.servo(servo_id)
         done = bench.restore(servo, saved, with_id=with_id)
+    undo = undo_of(done.changes, done.id, line)
     if json:
         write_json({
-            "id": done.id, "baud": done.baud, "model": saved.model,
+            "id": done.id, "baud": done.baud, "model": saved.model, "undo": undo,
             "changes": [change_fields(change) for change in done.changes], "same": done.same, "left": done.left})
         return
     for change in done.changes:
         say(change_text(change))
     say(f"{_registers(len(done.changes))} changed, {done.same} were the same; it is id {done.id} at {done.baud} baud")
+    if done.changes:
+        say(f"to undo: {undo}" if undo else "only a backup taken before this would undo it")
     if servo.identity.firmware != saved.firmware:
         say(f"note: the backup is of firmware {saved.firmware}, the servo has {servo.identity.firmware}")
     if done.left:

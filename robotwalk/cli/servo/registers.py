@@ -2,7 +2,7 @@
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -91,9 +91,24 @@ def write(servo_id: ServoId, /, *assignments: str, line: Line, raw: Raw = False,
                 say(_told(changes[-1], raw))
             if changes[-1].after != counts:
                 complain(f"{name} was to be {counts} and reads back as {changes[-1].after}")
+    undo = undo_of(changes, servo.id, line)
     if json:
-        write_json({"id": servo.id, "model": servo.model.name, "changes": [
+        write_json({"id": servo.id, "model": servo.model.name, "undo": undo, "changes": [
             change_fields(change) | {"asked": counts} for change, (_, counts) in zip(changes, wanted, strict=True)]})
+    elif undo:
+        say(f"to undo: {undo}")
+
+
+def undo_of(changes: Sequence[workbench.Change], servo_id: int, line: Line) -> str | None:
+    """Return what to type to take back what was written to the EEPROM; None if nothing was, or it cannot be had so.
+
+    What a restart takes back is not looked at before it is written. A new id or baud rate has its own commands.
+    """
+    old = [change for change in changes if change.before is not None and change.changed]
+    if not old or any(change.register.name in ("id", "baud_rate") for change in old):
+        return None
+    pairs = " ".join(f"{change.register.name}={change.before}" for change in old)
+    return f"robotwalk servo write {servo_id} {pairs} --raw {line.words(line.baud)}"
 
 
 def change_fields(change: workbench.Change) -> dict[str, Any]:
