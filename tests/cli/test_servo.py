@@ -247,8 +247,8 @@ def test_a_servo_with_a_strange_id_is_adopted(servo: Run, buses: dict[str, str],
         "all was read back\n"
         f"its zero is not the old one's. Next: robotwalk calibrate {robot} {joint} "
         f"--port legs={buses[brand]}\n"
-        f"to undo, with it alone on the line, which makes it as it was when new: robotwalk servo factory-reset {COUNT[brand]} --yes "
-        f"--port {buses[brand]}\n")
+        "to undo, with it alone on the line, which makes it as it was when new: "
+        f"robotwalk servo factory-reset {COUNT[brand]} --yes --port {buses[brand]}\n")
     again = servo("adopt", robot, joint, "--baud", "1000000", "--id", str(COUNT[brand]), "--json").json
     assert (again["changes"], again["id"]) == ([], COUNT[brand])
     assert servo("adopt", robot, joint, "--baud", "1000000").code == 4
