@@ -216,7 +216,8 @@ class SerialServoBus:
             due = min([line.cycle.quiet_until for line in pending])
             if due > now:
                 self._clock.wait((), due)  # a reply may come in many pieces: not every one is worth waking for
-            awaited = [line for line in pending if line.cycle.quiet_until <= due]
+                now = due
+            awaited = [line for line in pending if line.cycle.quiet_until <= now]
             until = min([line.cycle.deadline for line in awaited])
             if len(awaited) < len(pending):
                 until = min([until, *[line.cycle.quiet_until for line in pending if line not in awaited]])
