@@ -49,7 +49,7 @@ def test_the_tools_know_it(folder: Path) -> None:
         assert "id 1 (xl430-w500): turned +" in run(folder, wiggle)
         words = ["servo", "ping", "7", "--port", buses["legs"], "--servos", "servos"]
         assert "id 7: xl430-w500" in run(folder, words)
-        assert "id 7: model 1061" in run(folder, words[:-2]), "without it, it is nobody's"
+        assert "id 7: unknown (model number 1061)" in run(folder, words[:-2]), "without it, it is nobody's"
 
 
 def test_a_servo_that_is_nowhere_is_named_with_its_place(folder: Path) -> None:

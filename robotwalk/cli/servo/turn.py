@@ -7,7 +7,7 @@ from cyclopts import Parameter
 
 from robotwalk.assembly import workbench
 from robotwalk.cli.output import complain, say, write_json
-from robotwalk.cli.servo.options import BAUD, Json, Port, Protocol, Real
+from robotwalk.cli.servo.options import BAUD, Json, Port, Protocol, Real, Servos
 from robotwalk.errors import UsageError
 from robotwalk.interrupts import Interrupts
 from robotwalk.model import Axis, Joint
@@ -22,7 +22,7 @@ POSITIVE = {  # right-handed, in the leg's frame
 def wiggle(
     who: str, /, *, port: Port | None = None, robot: str | None = None, by: float = 4.0, torque: float = 25.0,
     baud: Annotated[int | None, Parameter(help="The line's baud rate; default: the robot's, or 1000000.")] = None,
-    protocol: Protocol = None, real: Real = False, json: Json = False,
+    protocol: Protocol = None, real: Real = False, servos: Servos = None, json: Json = False,
 ) -> int:
     """Turn a servo a few degrees there and back, slowly and weakly. Then torque and all else are as before.
 
@@ -51,7 +51,7 @@ def wiggle(
     else:
         url, rate = port, baud or BAUD
     interrupts = Interrupts()
-    models = seat.blueprint.servos if seat else None
+    models = seat.blueprint.servos if seat else workbench.load_servos(servos)
     with workbench.bench(url, baud=rate, protocol=spoken, real=real, writes=True, servos=models) as bench:
         servo = seat.servo(bench) if seat else bench.servo(int(who))
         interrupts.install()
