@@ -15,6 +15,7 @@ from robotwalk.model import Leg, RobotModel
 from robotwalk.reach import Solution
 from robotwalk.supervisor import State
 from robotwalk.support import centre_of_mass, support_margin
+from robotwalk.swing_paths import SwingPath
 from robotwalk.types import LEVEL, Command, Twist, Vec3
 
 _DIRECTIONS = 24  # in which strides are tried
@@ -134,7 +135,7 @@ def gait_reach(model: RobotModel, gait: Gait) -> GaitReach:
     for leg, sectors in zip(model.legs, gait.feet, strict=True):
         solver = solver_for(leg)
         body_way = max(sector.length / sector.stance for sector in sectors)
-        for target in _longest_swings(model, leg, body_way):
+        for target in _longest_swings(model, leg, gait.swing_path or leg.swing_path, body_way):
             solution = solver.solve(*target)
             miss = max(miss, solution.miss)
             tightest = min(tightest, *_margins(leg, solution))
@@ -171,7 +172,7 @@ def balance(model: RobotModel, gait: Gait) -> Balance:
     return Balance(gait.name, worst)
 
 
-def _longest_swings(model: RobotModel, leg: Leg, body_way: float) -> Iterator[Vec3]:
+def _longest_swings(model: RobotModel, leg: Leg, path: SwingPath, body_way: float) -> Iterator[Vec3]:
     """Return points of a leg's longest swings through its rest position, ends included, in the base frame.
 
     During a swing the body moves on by `body_way` strides, evenly, while the foot starts and lands at rest: first
@@ -181,7 +182,7 @@ def _longest_swings(model: RobotModel, leg: Leg, body_way: float) -> Iterator[Ve
         for index in range(_DIRECTIONS):
             angle = math.tau * index / _DIRECTIONS
             for moment in _MOMENTS:
-                point = leg.swing_path.at(moment)
+                point = path.at(moment)
                 way = point.way.position
                 offset = leg.max_stride * (way - 0.5 + body_way * (way - moment))
                 yield Vec3(

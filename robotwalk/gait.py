@@ -7,11 +7,14 @@ may take, then the cadence rises (ARTH section 5.2: step duration is linked to s
 
 import math
 from collections.abc import Sequence, Set
+from functools import partial
 from typing import NamedTuple
 
 from robotwalk.config.schema import GaitConfig
 from robotwalk.errors import UsageError
 from robotwalk.model import RobotModel
+from robotwalk.oscillator import skewed
+from robotwalk.swing_paths import SwingPath
 from robotwalk.types import Twist
 
 # The period follows a new gait or speed no faster than by this factor a second, so that no foot jumps.
@@ -79,6 +82,8 @@ class Gait:
         self.balance = None if config.balance is None else Balance(
             config.balance.margin_mm * 1e-3, config.balance.acceleration_mps2)
         self.rocking = config.rocking
+        # None: the legs' own
+        self.swing_path = None if config.bias is None else SwingPath(partial(skewed, bias=config.bias))
         self.supports = self._supports()
         self._model = model
 

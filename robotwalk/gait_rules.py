@@ -8,6 +8,7 @@ from robotwalk.config.schema import (
     AnyGaitConfig,
     GaitConfig,
     OffsetsConfig,
+    OscillatorConfig,
     TimingConfig,
     WaveConfig,
 )
@@ -47,7 +48,8 @@ def fitted(config: AnyGaitConfig, legs: Sequence[Leg]) -> GaitConfig | None:
             return None
         swing = by_offsets(pairs, config.front_back, config.left_right, share)
     common = config.model_dump(by_alias=True, include=set(TimingConfig.model_fields))
-    return GaitConfig.model_validate(common | {"swing": swing})
+    bias = config.bias if isinstance(config, OscillatorConfig) else None
+    return GaitConfig.model_validate(common | {"swing": swing, "bias": bias})
 
 
 def wave(legs: Sequence[Leg], pause: float) -> Swing:

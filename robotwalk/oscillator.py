@@ -9,6 +9,8 @@ import math
 from functools import lru_cache
 from typing import NamedTuple
 
+from robotwalk.swing_paths import Motion, PathPoint
+
 _NO_SKEW = 1e-4  # of a bias; below it the plain sine differs by less than 1e-4, and the formulae lose their digits
 
 
@@ -49,10 +51,35 @@ def swing_share(bias: float) -> float:
     return 0.5 - lift_off(bias) / math.pi
 
 
-def lift_in_swing(progress: float, bias: float) -> float:
-    """Return a foot's height, 0 to 1, after a share of its swing."""
+def skewed(progress: float, bias: float) -> PathPoint:
+    """Return the point of a swing by both waves, as a curve of `robotwalk.swing_paths`; the way leads from 0 to 1."""
     start = lift_off(bias)
-    return max(lift(start + progress * (math.pi - 2.0 * start), bias), 0.0)
+    turn = math.pi - 2.0 * start  # rad of the wave in a swing
+    x = start + progress * turn
+    begin, end = slide(start - 0.5 * math.pi, bias), slide(0.5 * math.pi - start, bias)
+    way, rate, bend = _slide_motion(x - 0.5 * math.pi, bias)
+    height = _lift_motion(x, bias)
+    length = end - begin
+    return PathPoint(
+        Motion((way - begin) / length, rate * turn / length, bend * turn * turn / length),
+        Motion(max(height.position, 0.0), height.velocity * turn, height.acceleration * turn * turn))
+
+
+def _lift_motion(x: float, bias: float) -> Motion:
+    s, c = math.sin(x), math.cos(x)
+    if abs(bias) < _NO_SKEW:
+        return Motion(s, c, -s)
+    scale = math.exp(bias * s) / math.sinh(bias)
+    return Motion(lift(x, bias), bias * c * scale, bias * (bias * c * c - s) * scale)
+
+
+def _slide_motion(x: float, bias: float) -> Motion:
+    k, s, c = 2.0 / math.pi * math.atan(bias), math.sin(x), math.cos(x)
+    if abs(k) < _NO_SKEW:
+        return Motion(s, c, -s)
+    above, below, largest = k * (c - k), 1.0 + k * (k - 2.0 * c), math.asin(k)
+    return Motion(
+        slide(x, bias), above / below / largest, -k * s * (below + 2.0 * above) / (below * below) / largest)
 
 
 def in_place(turns: float, bias: float) -> FootOffset:

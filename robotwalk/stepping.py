@@ -12,6 +12,7 @@ from robotwalk.body import advanced, placed
 from robotwalk.gait import Gait, GaitClock, Sector
 from robotwalk.model import Leg, RobotModel
 from robotwalk.swing import Swing
+from robotwalk.swing_paths import SwingPath
 from robotwalk.types import STILL, UP, Pose, Twist, Vec3
 
 _AT_REST = 1.5e-3  # m; a foot this near its rest position need not step
@@ -54,10 +55,10 @@ class _Foot:
         """Return how far the foot is from its rest position, m."""
         return math.hypot(*self.offset(course))
 
-    def lift_off(self, sector: Sector, share: float) -> Swing:
+    def lift_off(self, sector: Sector, share: float, path: SwingPath | None) -> Swing:
         self.sector = sector
         self.share = share
-        self.swing = Swing(self.leg.swing_path, self.leg.lift, self.place)
+        self.swing = Swing(path or self.leg.swing_path, self.leg.lift, self.place)
         return self.swing
 
 
@@ -158,7 +159,7 @@ class Stepping:
             if sector is None or idle or hold or not clock.gait.lifts_together(in_air | {index}):
                 continue
             in_air.add(index)
-            swing = foot.lift_off(sector, (1.0 - sector.progress(clock.phase)) * sector.length)
+            swing = foot.lift_off(sector, (1.0 - sector.progress(clock.phase)) * sector.length, clock.gait.swing_path)
             self._swing(foot, swing, sector, clock.period, course, twist, dt, up)
         return self.footfalls()
 

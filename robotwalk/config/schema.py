@@ -177,6 +177,7 @@ class RobotConfig(Section):
 
 
 Share = Annotated[float, Field(gt=0, lt=1)]
+Bias = Annotated[float, Field(ge=-5, le=5)]
 Sector = tuple[Annotated[float, Field(ge=0, lt=1)], Annotated[float, Field(gt=0, lt=2)]]
 
 
@@ -203,6 +204,7 @@ class GaitConfig(TimingConfig):
     """The swing sectors of each foot's circle, in turns, foot by foot (PPS section 3)."""
 
     kind: Literal["sectors"] = "sectors"
+    bias: Bias | None = None  # of the skewed waves that the feet swing by (PARAM); None: by the robot's swing path
     swing: Annotated[dict[str, Annotated[list[Sector], Field(min_length=1)]], Field(min_length=3)]
 
 
@@ -240,7 +242,7 @@ class OscillatorConfig(TimingConfig):
     legs: Annotated[int, Field(ge=4, multiple_of=2)]
     front_back: float  # as in OffsetsConfig
     left_right: float
-    bias: Annotated[float, Field(ge=-5, le=5)]  # over 0 the stance is longer than the swing, below 0 shorter
+    bias: Bias  # over 0 the stance is longer than the swing, below 0 shorter
 
 
 AnyGaitConfig = GaitConfig | WaveConfig | OffsetsConfig | OscillatorConfig

@@ -12,6 +12,7 @@ from . import rig
 
 @pytest.mark.parametrize(("robot", "gait", "speed", "direction", "tilt"), [
     ("hexapod", "tetrapod", 0.08, 0.0, 2.0),
+    ("hexapod", "stroll", 0.08, 0.0, 2.0),
     ("octopod", "ripple", 0.05, 0.0, 1.0),
     ("pentapod", "wave", 0.04, 0.0, 1.0),
     ("pentapod", "wave", 0.04, 90.0, 1.0),
