@@ -16,8 +16,8 @@ def response(model: ServoModel) -> DriveResponse:
     rated = model.specification.rated
     stiffness = motor.torque_constant_nm_per_a / motor.resistance_ohm * rated.voltage_v * duty_per_rad
     return DriveResponse(
-        damping=(motor.back_emf_damping + motor.viscous_nms) / stiffness,
+        damping=(motor.back_emf_damping + motor.friction.viscous_nms) / stiffness,
         inertia=motor.armature_kgm2 / stiffness,
-        friction=motor.coulomb_nm / stiffness,
+        friction=motor.friction.coulomb_nm / stiffness,
         max_speed=rated.no_load_speed,
     )

@@ -18,6 +18,7 @@ from hal.firmware_switches import DynamixelFirmware as DynamixelFirmware
 from hal.firmware_switches import FeetechFirmware as FeetechFirmware
 from hal.firmware_switches import ScsFirmware as ScsFirmware
 from hal.firmware_switches import StsFirmware as StsFirmware
+from hal.motor import Motor as Motor
 from hal.schema import Row as Row
 
 _SI_UNITS = {
@@ -194,30 +195,6 @@ class Specification(Row):
     others: tuple[OperatingPoint, ...] = ()
     mass_g: Annotated[float, Field(gt=0)]
     gear_ratio: Annotated[float, Field(gt=0)]
-
-
-class Motor(Row):
-    """A direct-current motor with Coulomb and viscous friction (BAM's M1), seen at the output shaft.
-
-    torque = kt V / R - kt^2 w / R, V = supply x duty; friction torque = viscous |w| + coulomb.
-    Source of the model: Duclusaud et al., "Extended Friction Models for the Physics Simulation of Servo
-    Actuators", ICRA 2025.
-    """
-
-    source: str
-    torque_constant_nm_per_a: Annotated[float, Field(gt=0)]
-    resistance_ohm: Annotated[float, Field(gt=0)]
-    armature_kgm2: Annotated[float, Field(ge=0)]
-    coulomb_nm: Annotated[float, Field(ge=0)]
-    viscous_nms: Annotated[float, Field(ge=0)]
-    # Published for no servo: assumed for a motor in a plastic case of half a hectogram.
-    thermal_resistance_k_per_w: Annotated[float, Field(gt=0)] = 10.0  # from the winding to the air
-    thermal_time_constant_s: Annotated[float, Field(gt=0)] = 300.0
-
-    @property
-    def back_emf_damping(self) -> float:
-        """Torque per speed of a driven motor, kt^2 / R, N m s."""
-        return self.torque_constant_nm_per_a**2 / self.resistance_ohm
 
 
 class PositionLoop(Row):

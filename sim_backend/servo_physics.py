@@ -9,12 +9,13 @@ In encoder ticks and seconds, duty as a share of the supply voltage, with the `G
     motor           torque = kt (V - kt w) / R with V = supply x duty; none with the bridge open (torque off)
 
 Ticks, angles and speeds are the output shaft's, positive counter-clockwise, 0 at the encoder's centre. What
-registers make of them is the firmware's. Friction and armature act in MuJoCo.
+registers make of them is the firmware's. Friction, armature and backlash lie behind the motor: `gear_train`.
 
     supply          V = V0 - Ri x sum of duty x current over all servos, as of the step before: a battery sags
     winding         dT/dt = (T_air + Rth R I^2 - T) / tau
 
-Not modelled: backlash, the firmware's own sampling period, which is the physics step.
+Not modelled: the firmware's own sampling period, which is the physics step; inductance, commutation, what heat does to
+resistance and magnets, what the electronics draw themselves, noise of the encoders.
 """
 
 import math
@@ -104,9 +105,6 @@ class ServoPhysics:
         """Feed all from one supply, of their rated voltages if it has none of its own (V, ohm)."""
         self.models = tuple(models)
         count = len(self.models)
-        self.armature = self._of(lambda model: model.motor.armature_kgm2)  # for MuJoCo's joints
-        self.coulomb = self._of(lambda model: model.motor.coulomb_nm)
-        self.viscous = self._of(lambda model: model.motor.viscous_nms)
         self.supply_v = self._of(  # without load; may be set
             lambda model: model.specification.rated.voltage_v if supply_v is None else supply_v)
         self.terminal_v = self.supply_v.copy()  # with it
@@ -120,7 +118,7 @@ class ServoPhysics:
         self._thermal_rate = self._of(lambda model: 1.0 / model.motor.thermal_time_constant_s)
         self._heated_at = 0
         self._ticks_per_radian = self._of(lambda model: 1.0 / model.encoder.radians_per_tick)
-        self._ticks, self._velocity, self._voltage, self._power = np.zeros((4, count))
+        self._ticks, self._velocity, self._rotor_speed, self._voltage, self._power = np.zeros((5, count))
         self._conductance, self._limit, self._open_loop, self._sum = np.zeros((4, count))
         self._gains = np.zeros((len(Gains._fields), count))
         self._velocity_loop = np.zeros(count, bool)
@@ -144,17 +142,19 @@ class ServoPhysics:
         """Have a servo's `supervisor` called regularly, as long as the physics runs."""
         self._supervisors[index] = supervisor
 
-    def step(self, position: Floats, velocity: Floats, now: int) -> Floats:
+    def step(self, position: Floats, velocity: Floats, now: int, rotor_speed: Floats | None = None) -> Floats:
         """Return the motors' torques, N m, to hold until the next step. The array is reused.
 
         Args:
             position: the shafts' angles, rad, over many turns.
             velocity: rad/s.
             now: ns.
+            rotor_speed: rad/s at the shaft, where it is not the shaft's.
         """
         elapsed = (now - self._now) * _SECONDS
         self._now, self._present = now, None
         np.copyto(self._velocity, velocity)
+        np.copyto(self._rotor_speed, velocity if rotor_speed is None else rotor_speed)
         np.multiply(position, self._ticks_per_radian, out=self._ticks)
         np.rint(self._ticks, out=self._ticks)
         self._power *= elapsed
@@ -217,13 +217,13 @@ class ServoPhysics:
             + feed_acceleration * goals.acceleration + punch * np.sign(error) + self._open_loop)
 
     def _limit_currents(self) -> None:
-        back_emf, supply = self._torque_constant * self._velocity, np.maximum(self.terminal_v, _DEAD_SUPPLY)
+        back_emf, supply = self._torque_constant * self._rotor_speed, np.maximum(self.terminal_v, _DEAD_SUPPLY)
         lowest, highest = (back_emf + self._drops) / supply
         np.clip(self.duty, lowest, highest, out=self.duty)
 
     def _run_motors(self) -> None:
         np.multiply(self.terminal_v, self.duty, out=self._voltage)
-        np.multiply(self._torque_constant, self._velocity, out=self.current)
+        np.multiply(self._torque_constant, self._rotor_speed, out=self.current)
         np.subtract(self._voltage, self.current, out=self.current)
         self.current *= self._conductance
         np.multiply(self._torque_constant, self.current, out=self.torque)

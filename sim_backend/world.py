@@ -16,6 +16,7 @@ import numpy.typing as npt
 from robotwalk.model import Leg, RobotModel
 from robotwalk.types import Pose, Vec3
 from sim_backend.servo_physics import ServoPhysics
+from sim_backend.shafts import Shafts
 from sim_backend.terrain.build import add_floor, add_ground
 from sim_backend.terrain.course import FLAT, Ground
 
@@ -65,8 +66,6 @@ class World:
         self.steps_per_second = rate_hz * steps_per_tick(rate_hz)
         assert self.steps_per_second % rate_hz == 0, "a tick must hold a whole number of physics steps"
         self._servos = servos
-        self._direction = np.array([float(m.direction) for m in mountings])
-        self._zero = np.array([m.zero for m in mountings])
         spec = _spec(model, friction, ground)
         spec.option.timestep = 1.0 / self.steps_per_second
         self.model = spec.compile()
@@ -74,13 +73,7 @@ class World:
         dofs = [self.model.joint(name).dofadr[0] for name in model.joint_names]
         assert dofs == list(range(6, 6 + len(dofs))), "MuJoCo's joint order is not the robot's"
         # Behind the robot's own joints come those of bodies that lie around.
-        self._angles, self._speeds = slice(7, 7 + len(dofs)), slice(6, 6 + len(dofs))
-        self.model.dof_armature[self._speeds] = servos.armature
-        self.model.dof_frictionloss[self._speeds] = servos.coulomb
-        self.model.dof_damping[self._speeds] = servos.viscous
-        # With MuJoCo's default softness dry friction creeps, and a limp leg sinks onto its stop within seconds.
-        self.model.dof_solimp[self._speeds, :2] = 0.999, 0.9999
-        self.model.dof_solref[self._speeds, 0] = 2.0 * spec.option.timestep
+        self._angles = slice(7, 7 + len(dofs))
         self._feet = [self.model.geom(f"{leg.name}_foot").id for leg in model.legs]
         self.ground, self._body_box = ground, model.body_box
         self._base = self.model.body("base").id
@@ -88,20 +81,17 @@ class World:
         self._steps = 0
         self.data.qpos[2] = 0.5 * model.body_box.z
         self.data.qpos[self._angles] = np.random.default_rng(seed).normal(seated, _SEATING_SPREAD)
-        mujoco.mj_forward(self.model, self.data)
-        self._drive(0)
+        self._shafts = Shafts(
+            self.model, self.data, servos, first_angle=7, first_dof=6,
+            direction=np.array([float(m.direction) for m in mountings]), zero=np.array([m.zero for m in mountings]))
+        self._shafts.drive(0)
 
     def step(self, now: int) -> None:
         """End the physics step that ends at `now` ns, and let the servos' firmware set the motors for the next."""
         mujoco.mj_step(self.model, self.data)
         self._steps += 1
         self._yaw += math.remainder(_yaw(self.data.qpos[3:7]) - self._yaw, math.tau)
-        self._drive(now)
-
-    def _drive(self, now: int) -> None:
-        shaft = (self.data.qpos[self._angles] - self._zero) * self._direction
-        speed = self.data.qvel[self._speeds] * self._direction
-        self.data.qfrc_applied[self._speeds] = self._servos.step(shaft, speed, now) * self._direction
+        self._shafts.drive(now)
 
     def push(self, force: Vec3) -> None:
         """Have another force act on the middle of the body from now on: N, in the world's frame."""

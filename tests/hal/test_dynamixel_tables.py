@@ -7,7 +7,6 @@ import itertools
 import re
 from collections.abc import Iterator
 from importlib.resources import files
-from math import tau
 from typing import NamedTuple
 
 import pytest
@@ -321,20 +320,12 @@ class TestAgainstTheDataSheet:
     def figures(self, point: OperatingPoint) -> tuple[float | None, ...]:
         return point.voltage_v, point.stall_torque_nm, point.stall_current_a, point.no_load_rpm
 
-    def test_motor(self, name: str) -> None:
-        """Torque at stall and speed without load, with friction; the XL330-M288's is a fit, its file says how near."""
-        motor, rated = MODELS[name].motor, MODELS[name].specification.rated
-        kt, resistance = motor.torque_constant_nm_per_a, motor.resistance_ohm
-        stall = kt * rated.voltage_v / resistance - motor.coulomb_nm
-        speed = stall / (kt**2 / resistance + motor.viscous_nms)
-        off_torque, off_speed = stall / rated.stall_torque_nm - 1, speed * 60 / tau / rated.no_load_rpm - 1
-        fitted = name == "xl330-m288"
-        assert (off_torque, off_speed) == pytest.approx((-0.099, 0.062) if fitted else (0, 0), abs=0.001)
-
 
 def test_the_fit_is_the_published_one() -> None:
     motor = MODELS["xl330-m288"].motor
-    assert list(motor.model_dump(exclude={"source"}).values())[:5] == [0.386696, 4.017129, 0.001814, 0.012833, 0.003662]
+    assert (motor.torque_constant_nm_per_a, motor.resistance_ohm, motor.armature_kgm2) == (0.386171, 3.402573, 0.001895)
+    assert list(motor.friction.model_dump().values()) == [
+        "M4", 0.008759, 0.004621, 0.068034, 0, 0.073812, 2.557702, 0.760116]
 
 
 def test_models_that_share_a_number_can_be_told_apart() -> None:

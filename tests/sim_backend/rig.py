@@ -3,13 +3,17 @@
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from hal.register_map import Register, ServoModel
 from sim_backend.brands import make_servo
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.servo_physics import ServoPhysics
+from sim_backend.shafts import Shafts
 
 MS = 1_000_000  # ns
+
+_ARM = 0.02  # m: what turns with the shaft is a ball on a lever
 
 
 class Registers:
@@ -38,21 +42,25 @@ class Registers:
 
 
 class Hinge:
-    """One servo's shaft on a hinge in MuJoCo, with little on it but its own armature and friction."""
+    """One servo's shaft on a hinge in MuJoCo, with little on it but its own gears."""
 
-    def __init__(self, physics: ServoPhysics, spring: float = 0.0) -> None:
+    def __init__(self, physics: ServoPhysics, spring: float = 0.0, ball: float = 0.02) -> None:
         spec = mujoco.MjSpec()
         spec.option.timestep = 0.001
         spec.option.gravity = [0.0, 0.0, 0.0]
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         body = spec.worldbody.add_body()
-        body.add_joint(
-            type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1], armature=physics.armature[0],
-            frictionloss=physics.coulomb[0], damping=physics.viscous[0], stiffness=spring)
-        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.01, 0, 0], mass=0.001)
+        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1], stiffness=spring)
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=[_ARM, 0, 0], size=[0.01, 0, 0], mass=ball)
+        self._ball = ball
         self._mujoco = spec.compile()
-        self._physics = physics
         self.data = mujoco.MjData(self._mujoco)
+        self._shafts = Shafts(
+            self._mujoco, self.data, physics, first_angle=0, first_dof=0, direction=np.ones(1), zero=np.zeros(1))
+
+    def load(self, torque: float) -> None:
+        """Have a torque act on the shaft (N m, while it is near 0): gravity on the ball."""
+        self._mujoco.opt.gravity[1] = torque / (self._ball * _ARM)
 
     @property
     def angle(self) -> float:
@@ -64,8 +72,7 @@ class Hinge:
 
     def step(self, now: int) -> None:
         """Let a millisecond pass, at whose end it is `now` ns."""
-        torque = self._physics.step(self.data.qpos.copy(), self.data.qvel.copy(), now)
-        self.data.qfrc_applied[0] = torque[0]
+        self._shafts.drive(now)
         mujoco.mj_step(self._mujoco, self.data)
 
 
@@ -92,10 +99,11 @@ class Turning:
 class Rig(Turning, Registers):
     """One servo of any brand, whose shaft MuJoCo moves."""
 
-    def __init__(self, model: ServoModel, spring: float = 0.0, **factory_settings: int) -> None:
+    def __init__(self, model: ServoModel, spring: float = 0.0, ball: float = 0.02, **factory_settings: int) -> None:
+        """Put a spring (N m/rad) and a ball (kg) on the shaft of a servo that the factory has given some settings."""
         self.physics = ServoPhysics([model])
         self.servo = make_servo(self.physics, 0, **factory_settings)
-        self.hinge = Hinge(self.physics, spring)
+        self.hinge = Hinge(self.physics, spring, ball)
         self.now = 0
 
     def read_bytes(self, register: Register) -> bytes:

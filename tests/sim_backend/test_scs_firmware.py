@@ -240,7 +240,7 @@ class TestMotor:
     def test_stall_torque_is_the_data_sheets(self, model: ServoModel, torque: float) -> None:
         bench = Bench(model, **FREE)
         bench.write(torque_enable=1, goal_time=1000)
-        assert bench.run(2) - model.motor.coulomb_nm == pytest.approx(torque, rel=0.002)
+        assert bench.run(2) - model.motor.friction.coulomb_nm == pytest.approx(torque, rel=0.002)
 
     @BOTH
     def test_a_goal_is_reached_up_to_friction(self, model: ServoModel) -> None:

@@ -356,7 +356,7 @@ def test_a_driven_motor_gives_no_energy_back() -> None:
 
 
 def test_servos_of_one_robot_do_not_mix() -> None:
-    strong = servo_model(motor={"torque_constant_nm_per_a": 3.4924, "coulomb_nm": 0.1})
+    strong = servo_model(motor={"torque_constant_nm_per_a": 3.4924})
     physics = ServoPhysics([MODEL, strong, MODEL])
     servos = [DynamixelServo(physics, index, id=index + 1, operating_mode=16) for index in range(3)]
     for servo, pwm in zip(servos, (885, 885, -442), strict=True):
@@ -364,7 +364,6 @@ def test_servos_of_one_robot_do_not_mix() -> None:
         servo.write(100, pwm.to_bytes(2, "little", signed=True))
     torque = physics.step(np.array([0.0, 0.1, 0.2]), np.zeros(3), MS)
     assert torque.tolist() == pytest.approx([1.4400, 2.8801, -0.7192], abs=1e-4)
-    assert physics.coulomb.tolist() == [0.04, 0.1, 0.04]
     assert [int.from_bytes(servo.read(132, 4, MS), "little") for servo in servos] == [2048, 2113, 2178]
 
 

@@ -42,7 +42,9 @@ def changed(servo: ServoModel, friction: float, armature: float, gain: float) ->
     assert isinstance(loop, PositionLoop)
     return servo.model_copy(update={
         "motor": motor.model_copy(update={
-            "coulomb_nm": friction * motor.coulomb_nm, "viscous_nms": friction * motor.viscous_nms,
+            "friction": motor.friction.model_copy(update={
+                "coulomb_nm": friction * motor.friction.coulomb_nm,
+                "viscous_nms": friction * motor.friction.viscous_nms}),
             "armature_kgm2": armature * motor.armature_kgm2}),
         "position_loop": loop.model_copy(update={"divisor": loop.divisor / gain})})
 
