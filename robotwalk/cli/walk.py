@@ -174,6 +174,7 @@ def _show(fields: dict[str, Any]) -> None:
             say(f"{event['t']:6.2f} s  {event['text']}")
     moved, bus = fields["displacement"], fields["bus"]
     lost = sum(line["lost_replies"] for line in bus.values())
+    trips = sum(line["watchdog_trips"] for line in bus.values())
     say(f"{fields['robot']}, {fields['gait']}: {fields['distance_m']:.3f} m in {fields['duration_s']:.1f} s "
         f"({fields['speed_mps']:.3f} m/s)")
     say(f"  ended at x {moved['x']:+.3f} m, y {moved['y']:+.3f} m, turned {moved['yaw_deg']:+.1f} deg")
@@ -181,4 +182,5 @@ def _show(fields: dict[str, Any]) -> None:
     say(f"  {tilt}lowest {1e3 * fields['min_height_m']:.0f} mm, "
         f"{'FELL' if fields['fell'] else 'no fall'}")
     say(f"  {fields['ticks']} ticks at {fields['rate_hz']} Hz, {lost} lost replies, "
+        f"{f'{trips} servos had stopped for want of any instruction, ' if trips else ''}"
         f"{fields['realtime_factor']:.1f} times real time")

@@ -1,9 +1,11 @@
-"""A program that takes its time between two calls: nobody talks to the servos meanwhile, and they hold."""
+"""Nobody talks to the servos for a while: between two calls, or since the wire is broken. They hold, and go on."""
 
 from pathlib import Path
 
 from robotwalk import assembly
 from robotwalk.assembly.replay import replay
+
+from .rig import walk
 
 
 def test_a_pause_between_calls_trips_no_watchdog_and_misses_no_deadline() -> None:
@@ -38,3 +40,13 @@ def test_a_run_with_pauses_replays(tmp_path: Path) -> None:
     assert found.difference is None
     assert found.damage is None
     assert found.ticks > 200
+
+
+def test_a_wire_broken_for_a_moment_trips_the_watchdogs_and_the_walk_goes_on() -> None:
+    """Nobody is asked whether it tripped: a sync write has no answer. It shows as their conditions are read in turn."""
+    broken = {"at": 5.0, "fault": "unplug", "bus": "legs", "for": 0.3}
+    report = walk("hexapod", speed=0.08, duration=5.0, faults=[broken])
+    assert report["bus"]["legs"]["watchdog_trips"] == 18
+    assert 0.25 < report["distance_m"] < 0.42, "it stood for half a second or less"
+    assert not report["fell"]
+    assert [event["kind"] for event in report["events"] if event["kind"] not in ("state", "audit", "limits")] == []
