@@ -15,9 +15,12 @@ from robotwalk.controller import Controller, Wanted
 from robotwalk.estimator import Estimate, Odometry
 from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate
+from robotwalk.model import RobotModel
 from robotwalk.ports import Clock, ServoBus
 from robotwalk.recorder import Row
+from robotwalk.stability import Stability, stability
 from robotwalk.supervisor import Request, State, Supervisor
+from robotwalk.support import Masses
 from robotwalk.tape import Tape
 from robotwalk.timing import Histogram
 from robotwalk.types import STILL, Command, JointState
@@ -35,6 +38,7 @@ class Tick(NamedTuple):
     estimate: Estimate
     wanted: Wanted
     goals: tuple[float, ...]
+    stability: Stability
 
 
 class Loop:
@@ -47,6 +51,7 @@ class Loop:
         self,
         *,
         rate_hz: int,
+        model: RobotModel,
         clock: Clock,
         bus: ServoBus,
         controller: Controller,
@@ -58,6 +63,7 @@ class Loop:
         tape: Tape | None = None,
     ) -> None:
         self.rate_hz = rate_hz
+        self._masses = Masses(model)
         self._command = Command()
         self._beaten_at = 0
         self.supervisor = supervisor
@@ -167,7 +173,7 @@ class Loop:
         if self._record is not None:
             self._record(Row(
                 deadline, tick.state, self.command, tick.wanted.twist, tick.goals, joints, tick.estimate.pose,
-                woke - deadline, read - woke, computed))
+                tick.stability, woke - deadline, read - woke, computed))
         self._grid.advance(clock.now())
         return tick
 
@@ -188,6 +194,7 @@ class Loop:
     def _think(self, now: int, joints: JointState, dt: float) -> Tick:
         """Everything between the bytes read and the goals for the next write."""
         estimate = self._odometry.step(joints, self._wanted.planted, self._wanted.twist, dt)
+        stable = stability(self._masses, joints.position, self._wanted.planted, estimate.pose)
         oldest = max(range(len(joints.age)), key=joints.age.__getitem__)
         stalest = self._bus.joints[oldest], joints.age[oldest]
         state = self.supervisor.step(stalest, self._wanted.seated, self._bus.alerts)
@@ -197,5 +204,5 @@ class Loop:
         wanted = self._controller.step(state, command, estimate, dt)
         goals = self.gate.step(self._feedforward.step(wanted.angles, dt), dt)
         self._wanted, self._goals = wanted, goals
-        return Tick(now, state, joints, estimate, wanted, goals)
+        return Tick(now, state, joints, estimate, wanted, goals, stable)
 

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 from mcap.writer import Writer
 
 from robotwalk.errors import UsageError
+from robotwalk.stability import Stability
 from robotwalk.supervisor import State
 from robotwalk.tape import Call, Concluded, Failed, Now, Received, Sent, Step, Tape, Wait
 from robotwalk.types import Command, JointState, Pose, Twist
@@ -38,6 +39,7 @@ class Row(NamedTuple):
     goals: tuple[float, ...]  # rad, sent in the next tick
     joints: JointState
     odometry: Pose
+    stability: Stability
     wake: int  # ns late at the start
     bus: int  # ns in the exchange
     tick: int  # ns of computing
@@ -58,7 +60,7 @@ class Recorder:
         tape: what is put onto it is recorded.
     """
 
-    _TOPICS = ("command", "joint_states", "joint_goals", "odom", "timing", "events", "tape")
+    _TOPICS = ("command", "joint_states", "joint_goals", "odom", "stability", "timing", "events", "tape")
 
     def __init__(
         self, path: Path, joints: tuple[str, ...], about: dict[str, str], *,
@@ -136,6 +138,9 @@ class Recorder:
         self._write("joint_states", row.time, {"name": self._joints, **row.joints._asdict()})
         self._write("joint_goals", row.time, {"name": self._joints, "position": row.goals})
         self._write("odom", row.time, row.odometry._asdict())
+        self._write("stability", row.time, {
+            "margin_m": row.stability.margin, "standing_feet": len(row.stability.standing),
+            "centre_of_mass": row.stability.centre._asdict()})
         timing = {"wake_us": row.wake / 1e3, "bus_us": row.bus / 1e3, "tick_us": row.tick / 1e3}
         self._write("timing", row.time, timing)
 

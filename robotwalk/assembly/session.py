@@ -153,6 +153,7 @@ def loop_of(
     ]
     return Loop(
         rate_hz=rate_hz,
+        model=model,
         clock=clock,
         bus=bus,
         controller=Controller(model, blueprint.gaits, blueprint.default_gait),

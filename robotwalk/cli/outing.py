@@ -68,6 +68,7 @@ class Outing:
         self._measuring = False
         self._truth = self._odometry = Journey(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), direction=0.0, nominal_height=0.0)
         self._energy = 0.0
+        self._margin = math.inf  # m, the least so far; below all numbers once too few feet stood for any
         self._ticks = self._walking_ticks = 0
         self._wall = 0.0
         self._film = assembly.film(self._world) if film and self._world else None
@@ -139,6 +140,7 @@ class Outing:
             "max_tilt_deg": math.degrees(truth.max_tilt) if simulated else None,
             "min_height_m": truth.min_height,
             "fell": truth.fell,
+            "min_stability_margin_m": self._margin if math.isfinite(self._margin) else None,
             "odometry": {
                 "distance_m": odometry.distance, "heading_change_deg": math.degrees(odometry.displacement.yaw)},
             "energy_j": self._energy if simulated else None,
@@ -185,6 +187,9 @@ class Outing:
             self._walking_ticks += tick.state is State.WALK
             self._truth.add(*self._place())
             self._odometry.add(tick.estimate.pose)
+            if tick.state is State.WALK:
+                margin = tick.stability.margin
+                self._margin = -math.inf if margin is None else min(self._margin, margin)
         if self._ticks % max(rate // 10, 1) == 0:
             elapsed = self._ticks / rate
             self._progress(

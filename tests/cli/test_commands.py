@@ -47,6 +47,7 @@ def test_walk_json_has_every_field_of_the_contract(robotwalk: Run) -> None:
     for histogram in ("wake_us", "tick_us", "bus_us"):
         assert set(report["timing"][histogram]) == {"p50", "p99", "p999", "max"}
     for field in ("distance_m", "speed_mps", "heading_change_deg", "lateral_drift_m", "max_tilt_deg", "min_height_m",
+                  "min_stability_margin_m",
                   "energy_j", "cost_of_transport", "wall_s", "realtime_factor"):
         assert math.isfinite(report[field]), field
     assert report["fell"] is False

@@ -82,7 +82,8 @@ class Rig:
         self.bus = PerfectBus(model, self.clock)
         self.rows: list[Row] = []
         self.loop = Loop(
-            rate_hz=RATE_HZ, clock=self.clock, bus=self.bus, controller=Controller(model, gaits, "tripod"),
+            rate_hz=RATE_HZ, model=model, clock=self.clock, bus=self.bus,
+            controller=Controller(model, gaits, "tripod"),
             odometry=Odometry(model), feedforward=Feedforward([DriveResponse(0.0, 0.0, 0.0, 6.0)] * 18),
             gate=Gate(model.joint_names, [JointLimit(-4.0, 4.0, 100.0, 1e6)] * 18), supervisor=Supervisor(0.5),
             record=self.rows.append)

@@ -9,8 +9,9 @@ from mcap.reader import make_reader
 
 from robotwalk.errors import UsageError
 from robotwalk.recorder import Event, Recorder, Row
+from robotwalk.stability import Stability
 from robotwalk.supervisor import State
-from robotwalk.types import Command, JointState, Pose, Twist
+from robotwalk.types import Command, JointState, Pose, Twist, Vec3
 
 JOINTS = ("lf_coxa", "lf_femur", "lf_tibia")
 
@@ -24,6 +25,7 @@ def row(tick: int) -> Row:
         command=Command(Twist(0.1, 0.0, 0.2), heading=None, height=0.11, gait="wave"),
         twist=Twist(0.05, 0.0, 0.1), goals=(0.11, 0.21, 0.31), joints=joints,
         odometry=Pose(1.0, 2.0, 0.1, 0.0, 0.0, 3.0),
+        stability=Stability(Vec3(0.01, 0.0, 0.02), (Vec3(0.2, 0.1, 0.0),) * 2, None),
         wake=12_000, bus=3_400_000, tick=250_500)
 
 
@@ -44,7 +46,7 @@ def test_every_row_is_in_the_file(tmp_path: Path) -> None:
     recorder.close()
     topics = read(path)
     assert sum(len(message["steps"]) for _, message in topics.pop("/tape")) == 2_000
-    assert set(topics) == {"/command", "/joint_states", "/joint_goals", "/odom", "/timing"}
+    assert set(topics) == {"/command", "/joint_states", "/joint_goals", "/odom", "/stability", "/timing"}
     for messages in topics.values():
         assert [time for time, _ in messages] == [10_000_000 * tick for tick in range(2_000)]
     assert [m["position"][2] for _, m in topics["/joint_states"]] == [0.001 * tick for tick in range(2_000)]
@@ -61,6 +63,8 @@ def test_what_a_row_says(tmp_path: Path) -> None:
         "effort": [0.0, -0.25, 1.0], "valid": [True, True, False], "age": [0.0, 0.0, 0.01]}
     assert said["/joint_goals"] == {"name": ["lf_coxa", "lf_femur", "lf_tibia"], "position": [0.11, 0.21, 0.31]}
     assert said["/odom"] == {"x": 1.0, "y": 2.0, "z": 0.1, "roll": 0.0, "pitch": 0.0, "yaw": 3.0}
+    assert said["/stability"] == {
+        "margin_m": None, "standing_feet": 2, "centre_of_mass": {"x": 0.01, "y": 0.0, "z": 0.02}}
     assert said["/timing"] == {"wake_us": 12.0, "bus_us": 3400.0, "tick_us": 250.5}
     assert said["/command"]["state"] == "walk"
     assert said["/command"]["twist"] == {"vx": 0.1, "vy": 0.0, "wz": 0.2}
