@@ -1,4 +1,4 @@
-"""A robot's `hardware` section: which servo moves which joint, on which bus.
+"""A robot's `hardware` section: which servo moves which joint, on which bus; and its IMU.
 
 It is kept apart from the skeleton, so that one skeleton can take other servos.
 """
@@ -8,8 +8,12 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
+from hal.imu.model import ImuConfig, ImuModel
 from hal.register_map import ServoModel
 from hal.schema import Row
+
+IMU_PORT = "imu"  # what the line of the IMU is called beside the buses
+_BITS_PER_BYTE = 10  # 8N1
 
 
 class BusConfig(Row):
@@ -43,6 +47,7 @@ class HardwareConfig(Row):
     buses: Annotated[dict[str, BusConfig], Field(min_length=1)]
     joints: dict[str, JointWiring]
     power: Power = Power()
+    imu: ImuConfig | None = None
 
 
 class Problem(NamedTuple):
@@ -96,3 +101,26 @@ def problems(
                     (*path, "zero_deg"),
                     f"the joint's limits {joints[name][0]:.1f} to {joints[name][1]:.1f} deg leave the servo's range "
                     f"of {reach[0]:.0f} to {reach[1]:.0f} deg about its centre", wiring.zero_deg)
+
+
+def imu_problems(config: HardwareConfig, imus: Mapping[str, ImuModel]) -> Iterator[Problem]:
+    """Find what is wrong with the IMU, if there is one, of the known kinds of it."""
+    imu = config.imu
+    if imu is None:
+        return
+    if IMU_PORT in config.buses:
+        yield Problem(("buses", IMU_PORT), "that is what the line of the IMU is called", None)
+    model = imus.get(imu.kind)
+    if model is None:
+        yield Problem(("imu", "kind"), f"no such IMU; there are {', '.join(imus)}", imu.kind)
+        return
+    if imu.baud not in model.baud_rates:
+        rates = ", ".join(map(str, model.baud_rates))
+        yield Problem(("imu", "baud"), f"{model.name} has only {rates}", imu.baud)
+    rate = imu.rate_hz or model.rate_hz
+    if rate > model.max_rate_hz:
+        yield Problem(("imu", "rate_hz"), f"{model.name} has at most {model.max_rate_hz:g} Hz", rate)
+    fits = imu.baud / _BITS_PER_BYTE / model.report_bytes
+    if rate > fits:
+        told = f"carries {fits:.1f} measurements of {model.name} a second, which sends {rate:g}"
+        yield Problem(("imu", "baud"), told, imu.baud)

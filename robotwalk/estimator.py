@@ -12,16 +12,17 @@ from typing import NamedTuple
 from robotwalk.body import advanced
 from robotwalk.kinematics import solver_for
 from robotwalk.model import RobotModel
-from robotwalk.types import LEVEL, JointState, Pose, Twist, Vec3
+from robotwalk.types import LEVEL, ImuState, JointState, Pose, Twist, Vec3
 
 _SETTLING = 0.06  # s after a footprint is reached before its foot counts: the servo follows its goal later
 
 
 class Estimate(NamedTuple):
-    """The body's state by odometry."""
+    """The body's state by odometry, and by an IMU if there is one."""
 
     pose: Pose  # of the base in odom; roll and pitch are not seen and stay 0, yaw is not wrapped
     standing_feet: int  # that the last step relied on
+    imu: ImuState | None = None  # None: there is none, or it has not been heard yet
 
 
 class Odometry:

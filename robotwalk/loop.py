@@ -1,4 +1,5 @@
-"""The cycle, at an absolute deadline each time: write and read the bus, estimate, supervise, control, limit.
+"""The cycle, at an absolute deadline each time: write and read the bus, hear the IMU, estimate, supervise, control,
+limit.
 
 The goals written are those computed in the cycle before, so that they leave with no more jitter than the
 wake-up has. The same code runs on wall time and on simulated time.
@@ -16,14 +17,14 @@ from robotwalk.estimator import Estimate, Odometry
 from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate
 from robotwalk.model import RobotModel
-from robotwalk.ports import Clock, ServoBus
+from robotwalk.ports import Clock, Imu, ServoBus
 from robotwalk.recorder import Row
 from robotwalk.stability import Stability, stability
 from robotwalk.supervisor import Request, State, Supervisor
 from robotwalk.support import Masses
 from robotwalk.tape import Tape
 from robotwalk.timing import Histogram
-from robotwalk.types import STILL, Command, JointState
+from robotwalk.types import STILL, Command, ImuState, JointState
 
 _NS = 1_000_000_000
 _HEARTBEAT = 500_000_000  # ns without a sign of the driver before the robot slows to a stand
@@ -54,6 +55,7 @@ class Loop:
         model: RobotModel,
         clock: Clock,
         bus: ServoBus,
+        imu: Imu | None = None,
         controller: Controller,
         odometry: Odometry,
         feedforward: Feedforward,
@@ -70,6 +72,7 @@ class Loop:
         self.gate = gate
         self._clock = clock
         self._bus = bus
+        self._imu = imu
         self._controller = controller
         self._odometry = odometry
         self._feedforward = feedforward
@@ -162,9 +165,10 @@ class Loop:
         woke = clock.now()
         joints = self._bus.exchange(self._goals, self.period)
         self._joints = joints
+        imu = self._imu.read() if self._imu is not None else None
         read = clock.now()
         started = time.perf_counter_ns()
-        tick = self._think(deadline, joints, dt)
+        tick = self._think(deadline, joints, imu, dt)
         computed = time.perf_counter_ns() - started
         self._digest.update(self._packing.pack(*joints.position, *tick.goals))
         self.wake.add(woke - deadline)
@@ -173,7 +177,7 @@ class Loop:
         if self._record is not None:
             self._record(Row(
                 deadline, tick.state, self.command, tick.wanted.twist, tick.goals, joints, tick.estimate.pose,
-                tick.stability, woke - deadline, read - woke, computed))
+                tick.stability, woke - deadline, read - woke, computed, imu))
         self._grid.advance(clock.now())
         return tick
 
@@ -191,9 +195,9 @@ class Loop:
             self._bus.exchange(self._goals, self.period)
         self._bus.pause()
 
-    def _think(self, now: int, joints: JointState, dt: float) -> Tick:
+    def _think(self, now: int, joints: JointState, imu: ImuState | None, dt: float) -> Tick:
         """Everything between the bytes read and the goals for the next write."""
-        estimate = self._odometry.step(joints, self._wanted.planted, self._wanted.twist, dt)
+        estimate = self._odometry.step(joints, self._wanted.planted, self._wanted.twist, dt)._replace(imu=imu)
         stable = stability(self._masses, joints.position, self._wanted.planted, estimate.pose)
         oldest = max(range(len(joints.age)), key=joints.age.__getitem__)
         stalest = self._bus.joints[oldest], joints.age[oldest]

@@ -7,7 +7,7 @@ Time is an integer count of nanoseconds on a clock that never goes back. Whateve
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from robotwalk.types import BusStatistics, JointState, ServoCondition
+from robotwalk.types import BusStatistics, ImuState, ImuStatistics, JointState, ServoCondition
 
 
 class BytePort(Protocol):
@@ -99,4 +99,20 @@ class ServoBus(Protocol):
 
     def statistics(self) -> Mapping[str, BusStatistics]:
         """Return what each bus carried, by its name."""
+        ...
+
+
+class Imu(Protocol):
+    """A sensor that tells how the base lies, of its own accord."""
+
+    def read(self) -> ImuState | None:
+        """Take what has come, without waiting; return what is known now. None: nothing has been heard yet."""
+        ...
+
+    def statistics(self) -> ImuStatistics:
+        """Return what it said since its port was opened."""
+        ...
+
+    def close(self) -> None:
+        """Give the port back. Never raises."""
         ...

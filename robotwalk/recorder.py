@@ -22,7 +22,7 @@ from robotwalk.errors import UsageError
 from robotwalk.stability import Stability
 from robotwalk.supervisor import State
 from robotwalk.tape import Call, Concluded, Failed, Now, Received, Sent, Step, Tape, Wait
-from robotwalk.types import Command, JointState, Pose, Twist
+from robotwalk.types import Command, ImuState, JointState, Pose, Twist
 
 _CHUNK = 1 << 16  # bytes; what a crash may cost, some seconds of a walk
 _OBJECT = b'{"type": "object"}'
@@ -41,8 +41,9 @@ class Row(NamedTuple):
     odometry: Pose
     stability: Stability
     wake: int  # ns late at the start
-    bus: int  # ns in the exchange
+    bus: int  # ns in the exchange, and with the IMU
     tick: int  # ns of computing
+    imu: ImuState | None = None
 
 
 class Event(NamedTuple):
@@ -60,7 +61,7 @@ class Recorder:
         tape: what is put onto it is recorded.
     """
 
-    _TOPICS = ("command", "joint_states", "joint_goals", "odom", "stability", "timing", "events", "tape")
+    _TOPICS = ("command", "joint_states", "joint_goals", "odom", "stability", "imu", "timing", "events", "tape")
 
     def __init__(
         self, path: Path, joints: tuple[str, ...], about: dict[str, str], *,
@@ -141,6 +142,8 @@ class Recorder:
         self._write("stability", row.time, {
             "margin_m": row.stability.margin, "standing_feet": len(row.stability.standing),
             "centre_of_mass": row.stability.centre._asdict()})
+        if row.imu is not None:
+            self._write("imu", row.time, _imu_fields(row.imu))
         timing = {"wake_us": row.wake / 1e3, "bus_us": row.bus / 1e3, "tick_us": row.tick / 1e3}
         self._write("timing", row.time, timing)
 
@@ -174,3 +177,8 @@ class Recorder:
 
 def _command_fields(command: Command) -> dict[str, Any]:
     return command._asdict() | {"twist": command.twist._asdict(), "posture": command.posture._asdict()}
+
+
+def _imu_fields(imu: ImuState) -> dict[str, Any]:
+    vectors = {"angular_velocity": imu.angular_velocity, "acceleration": imu.acceleration}
+    return imu._asdict() | {name: vector and vector._asdict() for name, vector in vectors.items()}

@@ -6,13 +6,25 @@ from types import MappingProxyType, TracebackType
 from typing import NamedTuple, Self
 
 from robotwalk.errors import RobotwalkError, SafetyStop, UsageError
+from robotwalk.imu_watch import ImuWatch
 from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Loop, Tick
 from robotwalk.model import RobotModel
-from robotwalk.ports import ServoBus
+from robotwalk.ports import Imu, ServoBus
 from robotwalk.recorder import Event, Recorder
 from robotwalk.supervisor import Request, State
-from robotwalk.types import LEVEL, STILL, BusStatistics, Command, JointState, Pose, ServoCondition, Twist
+from robotwalk.types import (
+    LEVEL,
+    STILL,
+    BusStatistics,
+    Command,
+    ImuState,
+    ImuStatistics,
+    JointState,
+    Pose,
+    ServoCondition,
+    Twist,
+)
 
 _LONGEST_STAND_UP = 15.0  # s; so long as this, something blocks it
 _LONGEST_SIT_DOWN = 20.0  # s, the last steps included
@@ -26,6 +38,7 @@ class RobotState(NamedTuple):
     joints: JointState
     odometry: Pose  # of the base in odom, by leg odometry
     twist: Twist  # commanded to the legs, after scaling
+    imu: ImuState | None = None  # None: there is none, or it has not been heard yet
 
 
 def check_duration(seconds: float) -> None:
@@ -68,12 +81,13 @@ class Robot:
 
     def __init__(
         self, model: RobotModel, gaits: Sequence[str], loop: Loop, bus: ServoBus, *,
-        recorder: Recorder | None = None, torque: float = 1.0, refused: Mapping[str, str] = MappingProxyType({}),
+        imu: Imu | None = None, recorder: Recorder | None = None, torque: float = 1.0,
+        refused: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """Join the parts.
 
         Args:
-            model, gaits, loop, bus, recorder: the parts; of the gaits, the names.
+            model, gaits, loop, bus, imu, recorder: the parts; of the gaits, the names.
             torque: share of their largest output that the servos may use.
             refused: gaits that are for these feet, but more than the servos can give, and why.
         """
@@ -84,6 +98,8 @@ class Robot:
         self.events: list[Event] = []
         self.observers: list[Callable[[Tick], None]] = []
         self._bus = bus
+        self._imu = imu
+        self._imu_watch = ImuWatch(imu) if imu is not None else None
         self._recorder = recorder
         self._torque = torque
         self._interrupts = Interrupts()
@@ -117,7 +133,8 @@ class Robot:
         if self._last is None:
             raise UsageError("nothing is known of the robot's joints before stand()")
         last = self._last
-        return RobotState(self.loop.supervisor.state, last.joints, last.estimate.pose, last.wanted.twist)
+        pose, imu = last.estimate.pose, last.estimate.imu
+        return RobotState(self.loop.supervisor.state, last.joints, pose, last.wanted.twist, imu)
 
     @property
     def torque_doubt(self) -> str | None:
@@ -206,6 +223,10 @@ class Robot:
         """Return what each bus carried, by its name."""
         return self._bus.statistics()
 
+    def imu_statistics(self) -> ImuStatistics | None:
+        """Return what the IMU said so far; None if the robot has none."""
+        return self._imu.statistics() if self._imu is not None else None
+
     def note(self, kind: str, text: str) -> None:
         """Add an event to the run's list."""
         event = Event(round(self._seconds, 3), kind, text)
@@ -227,6 +248,8 @@ class Robot:
             if not self.frozen:
                 self._disarm()
                 self._bus.close()
+                if self._imu is not None:
+                    self._imu.close()
             self._close_log()
             self._interrupts.restore()
 
@@ -302,6 +325,9 @@ class Robot:
         self.loop.beat()
         tick = self._last = self.loop.tick()
         self._seconds += 1.0 / self.loop.rate_hz
+        news = self._imu_watch and self._imu_watch.step(tick.estimate.imu, self._seconds)
+        if news:
+            self.note("imu", news)
         for observer in self.observers:
             observer(tick)
         return tick

@@ -63,6 +63,31 @@ class JointState(NamedTuple):
     age: tuple[float, ...]  # s since the joint last answered
 
 
+class ImuState(NamedTuple):
+    """What an IMU last told of the base.
+
+    An IMU that is silent keeps its last values: `age` grows, and before long `valid` is False.
+    """
+
+    roll: float  # rad, with pitch and yaw as in Pose
+    pitch: float
+    yaw: float  # rad, -pi to pi, from wherever the sensor has its zero
+    angular_velocity: Vec3 | None  # rad/s, in the base frame; None: this IMU does not tell
+    acceleration: Vec3 | None  # m/s^2, in the base frame, gravity felt as g upwards; None: this IMU does not tell
+    age: float  # s since its last measurement was taken from the line
+    valid: bool
+
+
+class ImuStatistics(NamedTuple):
+    """What an IMU said since its port was opened."""
+
+    rx_bytes: int
+    reports: int
+    stray_bytes: int  # that belonged to no measurement: garbled, or begun before the port was opened
+    max_age: float  # s, the longest that it was silent
+    failure: str | None  # of its port, in words
+
+
 class Measured(NamedTuple):
     """A value that is read now and then."""
 

@@ -13,8 +13,8 @@ from sim_backend.pseudo_terminal import PseudoTerminal
 class PtyEndpoint:
     """A pseudo terminal under a name of its own; an `Endpoint`."""
 
-    def __init__(self, path: Path, baud: int) -> None:
-        """Open a terminal and link it as `path`.
+    def __init__(self, path: Path, baud: int, unasked: bool = False) -> None:
+        """Open a terminal and link it as `path`; `unasked` is what hangs there if it also talks to who never asked.
 
         Raises:
             BusError: a living process serves under that name.
@@ -22,6 +22,7 @@ class PtyEndpoint:
         """
         self.url = str(path)
         self._terminal = PseudoTerminal(baud)
+        self._unasked = unasked
         self._in_use = False  # whether a client that has sent something is still there
         try:
             self._link = DeviceLink(path, self._terminal.path)
@@ -49,7 +50,7 @@ class PtyEndpoint:
 
     def send(self, data: bytes) -> None:
         """Send to the client. What comes after it has gone is no business of the next one."""
-        if self._in_use:
+        if self._in_use or (self._unasked and not self._terminal.is_vacant()):
             self._terminal.write(data)
 
     def close(self) -> None:
@@ -58,6 +59,8 @@ class PtyEndpoint:
         self._terminal.close()
 
 
-def open_ptys(folder: Path, bauds: Mapping[str, int]) -> AbstractContextManager[Mapping[str, Endpoint]]:
-    """Open a terminal for each bus, linked as `folder/<bus>`."""
-    return opened({bus: partial(PtyEndpoint, folder / bus, baud) for bus, baud in bauds.items()})
+def open_ptys(
+    folder: Path, bauds: Mapping[str, int], unasked: Collection[str] = ()
+) -> AbstractContextManager[Mapping[str, Endpoint]]:
+    """Open a terminal for each bus, linked as `folder/<bus>`; on those in `unasked` talks what nobody need ask."""
+    return opened({bus: partial(PtyEndpoint, folder / bus, baud, bus in unasked) for bus, baud in bauds.items()})

@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 from hal.register_map import ServoModel
 from robotwalk.model import RobotModel
-from sim_backend.adapter import ADAPTERS, AdapterName
+from sim_backend.adapter import ADAPTERS, Adapter, AdapterName
 from sim_backend.brands import make_device, make_servo
+from sim_backend.fake_imu import FakeImu, SimulatedImu
 from sim_backend.fake_servo import FakeServo
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.simulated_clock import SimulatedClock
@@ -29,16 +30,18 @@ class SimulatedServo(NamedTuple):
 class SimulatedRobot:
     """A seated robot, torque off, whose servos have return delay 0.
 
-    Time passes only in `clock.wait`. Each of `ports` is the host's end of one bus; `observers` are called after
-    every physics step. `joints` and `buses` tell what each of `servos` moves and which bus it is on.
+    Time passes only in `clock.wait`. Each of `ports` is the host's end of a bus or of the IMU's line; `observers` are
+    called after every physics step. `joints` and `buses` tell what each of `servos` moves and which bus it is on.
     """
 
     def __init__(
         self, model: RobotModel, servos: Sequence[SimulatedServo], bauds: Mapping[str, int], seated: Sequence[float],
         *, rate_hz: int, seed: int = 0, adapter: AdapterName = "none", supply_v: float | None = None,
-        internal_resistance: float = 0.0, ground: Ground = FLAT,
+        internal_resistance: float = 0.0, ground: Ground = FLAT, imu: tuple[str, SimulatedImu] | None = None,
     ) -> None:
         """Build the robot; `servos` and `seated` (rad) are in joint order; one supply (V, ohm) feeds them all.
+
+        `imu` is the name of a port and what talks there.
 
         Raises:
             ValueError: a bus has a baud that its servos do not have, or servos of two protocols.
@@ -50,7 +53,7 @@ class SimulatedRobot:
             [servo.model for servo in servos], supply_v=supply_v, internal_resistance=internal_resistance)
         self.world = World(
             model, self.physics, [servo.mounting for servo in servos], seated, rate_hz=rate_hz, seed=seed,
-            ground=ground)
+            ground=ground, imu=imu[1].mounting if imu is not None else None)
         # Servos find their shafts where the world has put them.
         self.servos = [
             make_servo(
@@ -62,6 +65,8 @@ class SimulatedRobot:
             bus: SimulatedPort(self.clock, make_device(bus, self._on(bus, servos)), baud, ADAPTERS[adapter]())
             for bus, baud in bauds.items()
         }
+        if imu is not None:
+            self._add_imu(*imu, ADAPTERS[adapter](), seed)
         self.observers: list[Callable[[], None]] = []
         self._steps = 0
         self._schedule_step()
@@ -69,6 +74,11 @@ class SimulatedRobot:
     def truth(self) -> Truth:
         """Return what is the case now."""
         return self.world.truth()
+
+    def _add_imu(self, name: str, kind: SimulatedImu, adapter: Adapter, seed: int) -> None:
+        device = FakeImu(kind, self.world.felt, seed)
+        self.ports[name] = SimulatedPort(self.clock, device, kind.baud, adapter)
+        device.begin(self.clock, self.ports[name])
 
     def _on(self, bus: str, servos: Sequence[SimulatedServo]) -> list[FakeServo]:
         return [fake for fake, servo in zip(self.servos, servos, strict=True) if servo.bus == bus]

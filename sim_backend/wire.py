@@ -61,6 +61,13 @@ class SimulatedPort:
         self._expect(burst)
         self._clock.schedule(self._sent_at, lambda: self._deliver(burst))
 
+    def volunteer(self, data: bytes) -> None:
+        """Have the far end send bytes that nobody asked for, behind what it is sending."""
+        if not self.cuts:
+            burst = Burst(max(self._clock.now(), self._answered_at), self.baud, data)
+            self._answered_at = burst.through(len(data))
+            self._expect(burst)
+
     def _deliver(self, burst: Burst) -> None:
         if self.cuts:
             return

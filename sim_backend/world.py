@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from robotwalk.model import Leg, RobotModel
 from robotwalk.types import Pose, Vec3
+from sim_backend.fake_imu import Felt
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.shafts import Shafts
 from sim_backend.terrain.build import add_floor, add_ground
@@ -61,12 +62,18 @@ class World:
     def __init__(
         self, model: RobotModel, servos: ServoPhysics, mountings: Sequence[Mounting], seated: Sequence[float], *,
         rate_hz: int, friction: float = 1.0, seed: int = 0, ground: Ground = FLAT,
+        imu: tuple[float, float, float] | None = None,
     ) -> None:
-        """Build the world around a robot whose joints sit at `seated` (rad), give or take a tenth of a degree."""
+        """Build the world around a robot whose joints sit at `seated` (rad), give or take a tenth of a degree.
+
+        `imu` is how one is mounted on the base, at its origin: roll, pitch, yaw (rad); None: there is none.
+        """
         self.steps_per_second = rate_hz * steps_per_tick(rate_hz)
         assert self.steps_per_second % rate_hz == 0, "a tick must hold a whole number of physics steps"
         self._servos = servos
         spec = _spec(model, friction, ground)
+        if imu is not None:
+            _add_imu(spec, imu)
         spec.option.timestep = 1.0 / self.steps_per_second
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
@@ -107,6 +114,11 @@ class World:
         def release() -> None:
             self.model.jnt_range[at], self.model.jnt_solref[at] = ranges, stiffness
         return release
+
+    def felt(self) -> Felt:
+        """Return what the sensors of the IMU have now."""
+        w, x, y, z, gx, gy, gz, ax, ay, az = self.data.sensordata.tolist()
+        return Felt((w, x, y, z), (gx, gy, gz), (ax, ay, az))
 
     def truth(self) -> Truth:
         """Return what is the case now."""
@@ -184,6 +196,18 @@ def _spec(model: RobotModel, friction: float, ground: Ground) -> mujoco.MjSpec:
         _add_leg(body, leg, model, sliding)
     add_ground(spec, ground, sliding)
     return spec
+
+
+def _add_imu(spec: mujoco.MjSpec, mounting: tuple[float, float, float]) -> None:
+    """Put a sensor of attitude, of angular velocity and of acceleration on the base."""
+    quat, turn = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(4)
+    for axis, angle in zip(([0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]), reversed(mounting), strict=True):
+        mujoco.mju_axisAngle2Quat(turn, np.array(axis), angle)
+        mujoco.mju_mulQuat(quat, quat.copy(), turn)
+    spec.body("base").add_site(name="imu", quat=quat)
+    sensor = mujoco.mjtSensor
+    for kind in (sensor.mjSENS_FRAMEQUAT, sensor.mjSENS_GYRO, sensor.mjSENS_ACCELEROMETER):
+        spec.add_sensor(type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="imu")
 
 
 def _add_leg(base: mujoco.MjsBody, leg: Leg, model: RobotModel, friction: list[float]) -> None:

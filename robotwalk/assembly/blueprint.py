@@ -5,12 +5,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from hal import bus_plan
 from hal.calibration import Calibration
 from hal.drive import response
-from hal.hardware import HardwareConfig, problems
+from hal.hardware import IMU_PORT, HardwareConfig, imu_problems, problems
+from hal.imu.model import ImuModel
 from hal.joint_calibration import CalibrationConfig
 from hal.protocols import protocol_of
 from hal.register_map import ServoModel
@@ -33,12 +35,13 @@ _SHARE_OF_TICK = 0.8  # that a bus may take, with a fifth of the wire free
 
 
 class Files(NamedTuple):
-    """What a robot is read from: its own file, servos and gaits by the names of theirs, and its calibration."""
+    """What a robot is read from: its own file, others by the names of theirs, and its calibration."""
 
     robot: Document
     servos: Mapping[str, Document]
     gaits: Mapping[str, Document]
     calibration: Document | None = None  # None: not calibrated, or to be taken as if it were not
+    imus: Mapping[str, Document] = MappingProxyType({})
 
     def texts(self) -> dict[str, str]:
         """Return the text of each by its place ("robot.yaml", "servos/NAME.yaml"), a servo's with its base."""
@@ -47,6 +50,7 @@ class Files(NamedTuple):
             **({_CALIBRATION: self.calibration.text} if self.calibration else {}),
             **{f"servos/{name}.yaml": document.whole_text for name, document in self.servos.items()},
             **{f"gaits/{name}.yaml": document.text for name, document in self.gaits.items()},
+            **{f"imus/{name}.yaml": document.text for name, document in self.imus.items()},
         }
 
     @classmethod
@@ -57,7 +61,7 @@ class Files(NamedTuple):
             raise ConfigError("robot.yaml: missing")
         return cls(
             documents["robot.yaml"], _in_folder(documents, "servos"), _in_folder(documents, "gaits"),
-            documents.get(_CALIBRATION))
+            documents.get(_CALIBRATION), _in_folder(documents, "imus"))
 
 
 @dataclass(frozen=True)
@@ -69,8 +73,9 @@ class Blueprint:
     gaits: Mapping[str, Gait]
     hardware: HardwareConfig
     servos: Mapping[str, ServoModel]
-    files: Files  # without servos that it does not have
+    files: Files  # without servos and IMUs that it does not have
     calibration: CalibrationConfig | None = None  # which the rest then takes into account
+    imu: ImuModel | None = None  # of what `hardware.imu` is
 
     @property
     def default_gait(self) -> str:
@@ -82,6 +87,12 @@ class Blueprint:
     def bauds(self) -> dict[str, int]:
         """The baud rate of each bus."""
         return {name: bus.baud for name, bus in self.hardware.buses.items()}
+
+    @property
+    def lines(self) -> dict[str, int]:
+        """The baud rate of each serial line: the buses, and the IMU's."""
+        imu = self.hardware.imu
+        return self.bauds if imu is None else {**self.bauds, IMU_PORT: imu.baud}
 
     @cached_property
     def wiring(self) -> dict[str, list[Wired]]:
@@ -132,7 +143,8 @@ def load(robot: str, *, calibrated: bool = False) -> Blueprint:
         ConfigError: a file is wrong.
     """
     servos = {**_bundled("servos"), **library.beside(robot, "servos")}
-    files = Files(library.open_document("robots", robot), servos, _bundled("gaits"))
+    imus = {**_bundled("imus"), **library.beside(robot, "imus")}
+    files = Files(library.open_document("robots", robot), servos, _bundled("gaits"), imus=imus)
     path = library.calibration_path(robot)
     if calibrated and path.exists():
         files = files._replace(calibration=Document.read(path))
@@ -140,7 +152,7 @@ def load(robot: str, *, calibrated: bool = False) -> Blueprint:
 
 
 def build(files: Files) -> Blueprint:
-    """Make a robot of its files, in which there may be servos and gaits that it does not need.
+    """Make a robot of its files, in which there may be servos, IMUs and gaits that it does not need.
 
     Raises:
         ConfigError: a file is wrong.
@@ -154,14 +166,19 @@ def build(files: Files) -> Blueprint:
     servos = {name: servo.validate(ServoModel) for name, servo in files.servos.items()}
     limits = {
         joint.name: (math.degrees(joint.lower), math.degrees(joint.upper)) for joint in model.joints}
-    for path, what, got in problems(hardware, limits, servos):
+    imus = {name: imu.validate(ImuModel) for name, imu in files.imus.items()}
+    for path, what, got in (*problems(hardware, limits, servos), *imu_problems(hardware, imus)):
         raise document.error(("hardware", *path), what, got)
     used = {joint.servo for joint in hardware.joints.values()}
-    needed = files._replace(servos={name: files.servos[name] for name in sorted(used)})
+    kinds = [] if hardware.imu is None else [hardware.imu.kind]
+    needed = files._replace(
+        servos={name: files.servos[name] for name in sorted(used)}, imus={kind: files.imus[kind] for kind in kinds})
     calibration = None
     if files.calibration is not None:
         calibration, hardware, model = calibrate(files.calibration, document, model, hardware, servos)
-    return Blueprint(document, model, load_gaits(files.gaits, model), hardware, servos, needed, calibration)
+    return Blueprint(
+        document, model, load_gaits(files.gaits, model), hardware, servos, needed, calibration,
+        imus[hardware.imu.kind] if hardware.imu is not None else None)
 
 
 def load_servo(name: str) -> ServoModel:

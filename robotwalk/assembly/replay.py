@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from robotwalk.assembly.blueprint import Files, build
-from robotwalk.assembly.session import bus_of, loop_of
+from robotwalk.assembly.session import bus_of, imu_of, loop_of
 from robotwalk.errors import UsageError
 from robotwalk.log import Log
 from robotwalk.loop import Loop
@@ -37,8 +37,9 @@ def replay(path: Path) -> Replay:
 
         def make() -> Loop:
             clock = playback.clock()
-            ports = {name: playback.port(name) for name in blueprint.hardware.buses}
-            return loop_of(blueprint, clock, bus_of(blueprint, clock, ports), rate_hz, playback.conclude)
+            ports = {name: playback.port(name) for name in blueprint.lines}
+            bus, imu = bus_of(blueprint, clock, ports), imu_of(blueprint, clock, ports)
+            return loop_of(blueprint, clock, bus, imu, rate_hz, playback.conclude)
 
         playback.run(make)
         difference = playback.difference

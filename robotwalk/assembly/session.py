@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import robotwalk
+from hal.hardware import IMU_PORT
+from hal.imu.serial_imu import SerialImu
 from hal.protocols import protocol_of
-from hal.serial_transport import names_hardware, open_port
+from hal.serial_transport import names_hardware, open_plainly, open_port
 from hal.servo_bus import SerialServoBus
 from hal.servo_line import ServoLine
 from robotwalk.assembly.blueprint import Blueprint, load
@@ -19,7 +21,7 @@ from robotwalk.estimator import Odometry
 from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate, JointLimit
 from robotwalk.loop import Loop
-from robotwalk.ports import BytePort, Clock, ServoBus
+from robotwalk.ports import BytePort, Clock, Imu, ServoBus
 from robotwalk.recorder import Recorder, Row
 from robotwalk.robot import Robot
 from robotwalk.supervisor import Supervisor
@@ -49,7 +51,7 @@ def connect(
 
     Args:
         robot: its name, path or blueprint.
-        ports: URLs by the names of buses, in place of those in the robot's file.
+        ports: URLs by the names of buses, and of the IMU as "imu", in place of those in the robot's file.
         real: whether URLs may lead to a physical robot.
         rate_hz: ticks per second.
         log: where to record every tick.
@@ -66,7 +68,8 @@ def connect(
     opened: dict[str, BytePort] = {}
     try:
         for name, url in urls.items():
-            opened[name] = open_port(url, blueprint.hardware.buses[name].baud)
+            # Only what answers to us may echo.
+            opened[name] = (open_plainly if name == IMU_PORT else open_port)(url, blueprint.lines[name])
         recorder = open_log(log, blueprint, rate_hz, urls)
     except BaseException:
         for port in opened.values():
@@ -79,15 +82,19 @@ def connect(
 
 
 def _urls(blueprint: Blueprint, ports: Mapping[str, str], real: bool) -> dict[str, str]:
-    """Return the URL of every bus; a physical robot only if it was asked for."""
-    buses = blueprint.hardware.buses
+    """Return the URL of every bus, and of the IMU; a physical robot only if it was asked for."""
+    hardware, lines = blueprint.hardware, blueprint.lines
     for name in ports:
-        if name not in buses:
-            raise UsageError(f"{blueprint.model.name} has no bus {name!r}; it has {', '.join(buses)}")
-    urls = {name: ports.get(name, bus.port) for name, bus in buses.items()}
+        if name not in lines:
+            raise UsageError(f"{blueprint.model.name} has no bus {name!r}; it has {', '.join(lines)}")
+    own = {name: bus.port for name, bus in hardware.buses.items()}
+    if hardware.imu is not None:
+        own[IMU_PORT] = hardware.imu.port
+    urls = {name: ports.get(name, url) for name, url in own.items()}
     for name, url in urls.items():
         if not real and names_hardware(url):
-            raise UsageError(f"{url} (bus {name}) may be a physical robot: say --real to open it")
+            what = name if name == IMU_PORT else f"bus {name}"
+            raise UsageError(f"{url} ({what}) may be a physical robot: say --real to open it")
     return urls
 
 
@@ -111,7 +118,7 @@ def open_log(
         "robot": blueprint.model.name, "robotwalk": robotwalk.__version__, "python": platform.python_version(),
         "rate_hz": str(rate_hz), **about}
     return Recorder(
-        log, blueprint.model.joint_names, head, buses=tuple(blueprint.hardware.buses),
+        log, blueprint.model.joint_names, head, buses=tuple(blueprint.lines),
         files={**blueprint.files.texts(), **(more or {})})
 
 
@@ -124,6 +131,14 @@ def bus_of(blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort]) ->
     return SerialServoBus(blueprint.model.joint_names, lines, clock)
 
 
+def imu_of(blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort]) -> SerialImu | None:
+    """Put a robot's IMU on its opened line, if it has one."""
+    config, model = blueprint.hardware.imu, blueprint.imu
+    if config is None or model is None:
+        return None
+    return SerialImu(ports[IMU_PORT], clock, model.frames, config)
+
+
 def robot_of(
     blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort], rate_hz: int, recorder: Recorder | None,
     torque: float = 1.0,
@@ -134,17 +149,19 @@ def robot_of(
         clock = TapedClock(clock, recorder.tape)
     bus = bus_of(blueprint, clock, ports)
     record, tape = (recorder.put, recorder.tape) if recorder else (None, None)
-    loop = loop_of(blueprint, clock, bus, rate_hz, record, tape)
+    imu = imu_of(blueprint, clock, ports)
+    loop = loop_of(blueprint, clock, bus, imu, rate_hz, record, tape)
     robot = Robot(
-        blueprint.model, tuple(blueprint.gaits), loop, bus, recorder=recorder, torque=torque, refused=blueprint.refused)
+        blueprint.model, tuple(blueprint.gaits), loop, bus, imu=imu, recorder=recorder, torque=torque,
+        refused=blueprint.refused)
     return robot, bus
 
 
 def loop_of(
-    blueprint: Blueprint, clock: Clock, bus: ServoBus, rate_hz: int,
+    blueprint: Blueprint, clock: Clock, bus: ServoBus, imu: Imu | None, rate_hz: int,
     record: Callable[[Row], None] | None = None, tape: Tape | None = None,
 ) -> Loop:
-    """Join the stages into a loop around a bus."""
+    """Join the stages into a loop around a bus and an IMU, if there is one."""
     model = blueprint.model
     limits = [
         JointLimit(
@@ -156,6 +173,7 @@ def loop_of(
         model=model,
         clock=clock,
         bus=bus,
+        imu=imu,
         controller=Controller(model, blueprint.gaits, blueprint.default_gait),
         odometry=Odometry(model),
         feedforward=Feedforward(blueprint.drives),

@@ -6,16 +6,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hal.hardware import IMU_PORT
 from robotwalk.assembly.blueprint import Blueprint, load
 from robotwalk.assembly.session import RATE_HZ, Session, check_rate, open_log, robot_of
 from robotwalk.config import library
 from robotwalk.errors import UsageError
 from robotwalk.kinematics import resting_angles
 from sim_backend.adapter import AdapterName
+from sim_backend.faults.fault import Fault
 from sim_backend.faults.script import Script, read_script, stage
 from sim_backend.terrain.course import Terrain, read_terrain
 
 if TYPE_CHECKING:
+    from sim_backend.fake_imu import SimulatedImu
     from sim_backend.film import Film
     from sim_backend.simulation import SimulatedRobot
     from sim_backend.viewer import Viewer
@@ -77,7 +80,7 @@ def simulated_robot(
     from sim_backend.simulation import SimulatedRobot, SimulatedServo
     from sim_backend.world import Mounting
 
-    script = read_script(faults, {joint: row.bus for joint, row in blueprint.hardware.joints.items()})
+    script = _read_faults(faults, blueprint)
     servos = []
     for joint in blueprint.model.joint_names:
         row = blueprint.hardware.joints[joint]
@@ -88,9 +91,31 @@ def simulated_robot(
         blueprint.model, servos, blueprint.bauds, seated, rate_hz=rate_hz, seed=seed, adapter=adapter,
         supply_v=blueprint.hardware.power.supply_v,
         internal_resistance=blueprint.hardware.power.internal_resistance_ohm,
-        ground=(terrain or load_terrain(FLAT)).lay_out(0.5 * blueprint.model.body_box.x, seed))
+        ground=(terrain or load_terrain(FLAT)).lay_out(0.5 * blueprint.model.body_box.x, seed),
+        imu=_simulated_imu(blueprint))
     stage(world, script, seed)
     return world
+
+
+def _read_faults(faults: Script, blueprint: Blueprint) -> list[Fault]:
+    wiring = {joint: row.bus for joint, row in blueprint.hardware.joints.items()}
+    return read_script(faults, wiring, [name for name in blueprint.lines if name not in blueprint.bauds])
+
+
+def _simulated_imu(blueprint: Blueprint) -> "tuple[str, SimulatedImu] | None":
+    """Return the name of the IMU's port, and what is to talk there; None if the robot has none."""
+    from sim_backend.fake_imu import SimulatedImu
+
+    config, model = blueprint.hardware.imu, blueprint.imu
+    if config is None or model is None:
+        return None
+    roll, pitch, yaw = map(math.radians, config.mounting_deg)
+    errors = model.errors
+    return IMU_PORT, SimulatedImu(
+        model.frames, config.baud, config.rate_hz or model.rate_hz, (roll, pitch, yaw),
+        tilt_bias=math.radians(errors.tilt_bias_deg), tilt_noise=math.radians(errors.tilt_noise_deg),
+        gyro_bias=math.radians(errors.gyro_bias_deg_s), gyro_noise=math.radians(errors.gyro_noise_deg_s),
+        acceleration_noise=errors.acceleration_noise_mps2)
 
 
 def serve(
@@ -100,8 +125,8 @@ def serve(
 ) -> None:
     """Serve a simulated robot in real time, as terminals in the folder `pty` or else at the address `tcp`.
 
-    `ready` is told the URL of each bus. It ends after some `seconds`, or when `check` raises; `warn` is told if
-    this computer is too slow.
+    `ready` is told the URL of each bus, and of the IMU. It ends after some `seconds`, or when `check` raises; `warn`
+    is told if this computer is too slow.
 
     Raises:
         UsageError: no such robot or terrain, or a place or a file that cannot be used.
@@ -113,8 +138,10 @@ def serve(
     from sim_backend.socket_endpoint import open_sockets, parse_address
 
     blueprint, ground = load(robot), load_terrain(terrain)
-    bauds = blueprint.bauds
-    doors = open_ptys(pty, bauds) if pty is not None else open_sockets(parse_address(tcp or ""), bauds)
+    lines = blueprint.lines
+    doors = (
+        open_ptys(pty, lines, unasked=(IMU_PORT,)) if pty is not None
+        else open_sockets(parse_address(tcp or ""), lines))
     world = simulated_robot(blueprint, RATE_HZ, seed, adapter, faults, ground)
     serve(world, blueprint.model, doors, truth=truth, seconds=seconds, ready=ready, check=check, warn=warn)
 
@@ -125,8 +152,7 @@ def befall(simulation: Simulation, faults: Script, seed: str) -> None:
     Raises:
         ConfigError: the faults are wrong; says where.
     """
-    hardware = simulation.blueprint.hardware
-    stage(simulation.world, read_script(faults, {joint: row.bus for joint, row in hardware.joints.items()}), seed)
+    stage(simulation.world, _read_faults(faults, simulation.blueprint), seed)
 
 
 def bare_physics(world: "SimulatedRobot", seconds: float) -> float:

@@ -40,6 +40,8 @@ def of_log(path: Path) -> Iterator[Line]:
         began: int | None = None
         time = 0
         for traffic in log.traffic():
+            if traffic.bus not in transcribers:
+                continue  # the IMU's line, on which nobody asks and no servo answers
             time = traffic.time
             began = time if began is None else began
             for said in transcribers[traffic.bus].take(traffic.data, traffic.sent):

@@ -14,7 +14,7 @@ from robotwalk.loop import Tick
 from robotwalk.robot import check_command, check_duration
 from robotwalk.supervisor import State
 from robotwalk.timing import Histogram
-from robotwalk.types import BusStatistics, Command, Pose
+from robotwalk.types import BusStatistics, Command, ImuStatistics, Pose
 from robotwalk.velocity import feasible
 
 _GRAVITY = 9.81  # m/s^2
@@ -69,6 +69,7 @@ class Outing:
         self._truth = self._odometry = Journey(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), direction=0.0, nominal_height=0.0)
         self._energy = 0.0
         self._margin = math.inf  # m, the least so far; below all numbers once too few feet stood for any
+        self._imu_tilt: float | None = None  # rad, the largest that the IMU told
         self._ticks = self._walking_ticks = 0
         self._wall = 0.0
         self._film = assembly.film(self._world) if film and self._world else None
@@ -148,6 +149,7 @@ class Outing:
             "bus": {
                 name: _bus_fields(line) for name, line in self._robot.bus_statistics().items()
             },
+            **_imu_fields(self._robot.imu_statistics(), self._imu_tilt),
             "timing": {
                 "missed_deadlines": loop.missed,
                 "wake_us": _rounded(loop.wake), "tick_us": _rounded(loop.compute), "bus_us": _rounded(loop.exchange)},
@@ -190,6 +192,9 @@ class Outing:
             if tick.state is State.WALK:
                 margin = tick.stability.margin
                 self._margin = -math.inf if margin is None else min(self._margin, margin)
+            imu = tick.estimate.imu
+            if imu is not None and imu.valid:
+                self._imu_tilt = max(self._imu_tilt or 0.0, math.acos(math.cos(imu.roll) * math.cos(imu.pitch)))
         if self._ticks % max(rate // 10, 1) == 0:
             elapsed = self._ticks / rate
             self._progress(
@@ -233,6 +238,15 @@ class Outing:
 def _bus_fields(line: BusStatistics) -> dict[str, Any]:
     fields = line._asdict()
     return fields | {"max_age_ms": 1e3 * fields.pop("max_age")}
+
+
+def _imu_fields(imu: ImuStatistics | None, max_tilt: float | None) -> dict[str, Any]:
+    """Return what the IMU adds to a report; nothing without one."""
+    if imu is None:
+        return {}
+    fields = imu._asdict()
+    tilt = None if max_tilt is None else math.degrees(max_tilt)
+    return {"imu": fields | {"max_age_ms": 1e3 * fields.pop("max_age"), "max_tilt_deg": tilt}}
 
 
 def _rounded(histogram: Histogram) -> dict[str, float]:

@@ -69,7 +69,7 @@ def walk(
     faults
         What goes wrong in the simulation, and when: a YAML file (see `robotwalk list faults`).
     port
-        BUS=URL: walk what is on this line, in real time. Once for each bus.
+        BUS=URL: walk what is on this line, in real time. Once for each bus, and imu=URL for the IMU.
     real
         Open the ports that the robot's file names, or physical ones given by --port. The robot will move.
     hang

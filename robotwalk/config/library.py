@@ -9,7 +9,7 @@ from robotwalk.config import inheritance
 from robotwalk.config.document import Document
 from robotwalk.errors import UsageError
 
-Kind = Literal["robots", "servos", "gaits", "terrains"]
+Kind = Literal["robots", "servos", "imus", "gaits", "terrains"]
 
 
 def root() -> Path:

@@ -1,7 +1,7 @@
 """What faults have in common: when they begin and end, and whom they befall."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from random import Random
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
@@ -38,12 +38,15 @@ class Fault(Section, ABC):
     def begin(self, robot: "SimulatedRobot", chance: Random) -> End | None:
         """Let it happen to a robot now; return what ends it, if anything does."""
 
-    def complaints(self, wiring: Mapping[str, str]) -> Iterator[tuple[str, str, Any]]:
+    def complaints(
+        self, wiring: Mapping[str, str], other_lines: Collection[str] = ()
+    ) -> Iterator[tuple[str, str, Any]]:
         """Yield key, problem and value where it does not fit a robot, of which `wiring` tells each joint's bus."""
         for key in self.model_fields_set & {"joint", "id_of"}:
             yield from _unless_known(key, getattr(self, key), "joint", wiring)
         for key in self.model_fields_set & {"bus"}:
-            yield from _unless_known(key, getattr(self, key), "bus", dict.fromkeys(wiring.values(), ""))
+            lines = dict.fromkeys([*wiring.values(), *other_lines], "")
+            yield from _unless_known(key, getattr(self, key), "bus", lines)
 
 
 class LastingFault(Fault):
@@ -69,8 +72,10 @@ class ServoFault(LastingFault):
             index for index, (joint, bus) in enumerate(zip(robot.joints, robot.buses, strict=True))
             if self.joint in (None, joint) and self.bus in (None, bus)]
 
-    def complaints(self, wiring: Mapping[str, str]) -> Iterator[tuple[str, str, Any]]:
-        """Yield key, problem and value where it does not fit a robot."""
+    def complaints(
+        self, wiring: Mapping[str, str], other_lines: Collection[str] = ()
+    ) -> Iterator[tuple[str, str, Any]]:
+        """Yield key, problem and value where it does not fit a robot. Its servos are on none of `other_lines`."""
         yield from super().complaints(wiring)
         if self.joint is not None and self.bus not in (None, wiring.get(self.joint)):
             yield "bus", f"joint {self.joint} is not on it", self.bus

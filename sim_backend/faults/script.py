@@ -7,7 +7,7 @@
 begins then is there while the robot is armed. Chances come from the run's seed; each fault and each servo has its own.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from random import Random
@@ -32,8 +32,13 @@ FAULTS: Mapping[str, type[Fault]] = {fault.kind(): fault for fault in (
     StuckJoint, VoltageDrop, WrongFirmware, Push)}
 
 
-def read_script(script: Script, wiring: Mapping[str, str]) -> list[Fault]:
-    """Read a file, or a list of mappings as such a file has them; `wiring` tells the bus of each of a robot's joints.
+def read_script(script: Script, wiring: Mapping[str, str], other_lines: Collection[str] = ()) -> list[Fault]:
+    """Read a file, or a list of mappings as such a file has them.
+
+    Args:
+        script: the file or list.
+        wiring: the bus of each of a robot's joints.
+        other_lines: names of those on which no servos are.
 
     Raises:
         ConfigError: it is no such list, or does not fit the robot; says where.
@@ -45,17 +50,19 @@ def read_script(script: Script, wiring: Mapping[str, str]) -> list[Fault]:
     entries = document.value(())
     if not isinstance(entries, list):
         raise document.error((), "expected a list of faults", entries)
-    return [_read_fault(document, index, wiring) for index in range(len(entries))]
+    return [_read_fault(document, index, wiring, other_lines) for index in range(len(entries))]
 
 
-def _read_fault(document: Document, index: int, wiring: Mapping[str, str]) -> Fault:
+def _read_fault(
+    document: Document, index: int, wiring: Mapping[str, str], other_lines: Collection[str]
+) -> Fault:
     name = document.value((index, "fault"))
     if not isinstance(name, str) or name not in FAULTS:
         near = get_close_matches(str(name), FAULTS, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(FAULTS)}"
         raise document.error((index, "fault"), f"no such fault; {hint}", name)
     fault = document.validate(FAULTS[name], at=(index,))
-    for key, problem, got in fault.complaints(wiring):
+    for key, problem, got in fault.complaints(wiring, other_lines):
         raise document.error((index, key), problem, got)
     return fault
 

@@ -1,6 +1,6 @@
 """Faults of a whole bus."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from random import Random
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -22,7 +22,7 @@ class Noise(LastingFault):
     """
 
     fault: Literal["noise"]
-    bus: Annotated[str | None, Field(description="only this bus")] = None
+    bus: Annotated[str | None, Field(description="only this bus; imu: only the line of the IMU")] = None
     largest: Annotated[int, Field(ge=1, le=1000, description="bytes of the longest burst")] = 8
     every_ms: Annotated[float, Field(ge=0.1, le=1e6, description="ms from one burst to the next")] = 10.0
 
@@ -48,14 +48,14 @@ class Noise(LastingFault):
 
 
 class Unplug(LastingFault):
-    """The data line of a bus is cut: servos and host hear nothing of each other.
+    """The data line of a bus, or of the IMU, is cut: the host and what is on it hear nothing of each other.
 
-    The servos keep their power and go on towards their last goals. It is silence on a served port too: what was
+    What is on it keeps its power: servos go on towards their last goals. It is silence on a served port too: what was
     pulled is the cable behind the adapter.
     """
 
     fault: Literal["unplug"]
-    bus: Annotated[str, Field(description="name of the bus")]
+    bus: Annotated[str, Field(description="name of the bus; imu: the line of the IMU")]
 
     def begin(self, robot: "SimulatedRobot", chance: Random) -> End:
         """Let it happen to a robot now; return what ends it."""
@@ -84,7 +84,9 @@ class DuplicateId(LastingFault):
         servo.answer_to(robot.servos[robot.joints.index(self.id_of)].id)
         return lambda: servo.answer_to(own)
 
-    def complaints(self, wiring: Mapping[str, str]) -> Iterator[tuple[str, str, Any]]:
+    def complaints(
+        self, wiring: Mapping[str, str], other_lines: Collection[str] = ()
+    ) -> Iterator[tuple[str, str, Any]]:
         """Yield key, problem and value where it does not fit a robot."""
         yield from super().complaints(wiring)
         if self.joint == self.id_of:
