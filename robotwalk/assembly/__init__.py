@@ -5,6 +5,7 @@ from robotwalk.assembly.blueprint import BusLoad as BusLoad
 from robotwalk.assembly.blueprint import SupplyLoad as SupplyLoad
 from robotwalk.assembly.blueprint import bus_loads as bus_loads
 from robotwalk.assembly.blueprint import load as load
+from robotwalk.assembly.blueprint import load_gaits as load_gaits
 from robotwalk.assembly.blueprint import load_servo as load_servo
 from robotwalk.assembly.blueprint import supply_load as supply_load
 from robotwalk.assembly.bus_bench import measure_bus as measure_bus

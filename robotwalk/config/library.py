@@ -40,7 +40,7 @@ def beside(robot: str, kind: Kind) -> dict[str, Document]:
     Raises:
         ConfigError: one cannot be read or is no YAML.
     """
-    return folder(Path(robot).parent / kind, kind) if _is_path(robot) else {}
+    return folder(Path(robot).parent / kind, kind) if is_path(robot) else {}
 
 
 def folder(path: Path, kind: Kind) -> dict[str, Document]:
@@ -68,7 +68,7 @@ def _open_servo(name: str, derived: tuple[str, ...]) -> Document:
 
 
 def _path(kind: Kind, name: str) -> Path:
-    if _is_path(name):
+    if is_path(name):
         return Path(name)
     bundled = names(kind)
     if name not in bundled:
@@ -83,12 +83,13 @@ def calibration_path(robot: str) -> Path:
 
     The latter is ~/.config, or what XDG_CONFIG_HOME says (XDG Base Directory Specification).
     """
-    if _is_path(robot):
+    if is_path(robot):
         return Path(robot).with_suffix(".calibration.yaml")
     folder = os.environ.get("XDG_CONFIG_HOME", "")
     home = Path(folder) if folder.startswith("/") else Path.home() / ".config"
     return home / "robotwalk" / f"{robot}.calibration.yaml"
 
 
-def _is_path(name: str) -> bool:
+def is_path(name: str) -> bool:
+    """Tell whether a name is a file's path, not that of a bundled one."""
     return name.endswith((".yaml", ".yml")) or "/" in name
