@@ -7,7 +7,7 @@ import itertools
 import math
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 Positive = Annotated[float, Field(gt=0)]
 Triple = tuple[float, float, float]
@@ -117,7 +117,13 @@ class BezierConfig(Section):
         return self
 
 
-SwingPathConfig = Literal["parabola", "half_ellipse", "ellipse"] | BezierConfig
+def _swing_path_kind(value: object) -> str:
+    return "BezierConfig" if isinstance(value, (dict, BezierConfig)) else "named"
+
+
+SwingPathConfig = Annotated[
+    Annotated[Literal["parabola", "half_ellipse", "ellipse"], Tag("named")]
+    | Annotated[BezierConfig, Tag("BezierConfig")], Discriminator(_swing_path_kind)]
 
 
 class FootfallConfig(Section):

@@ -5,8 +5,9 @@ import math
 
 import pytest
 
+from robotwalk.config import library
 from robotwalk.config.document import Document
-from robotwalk.config.schema import BezierConfig
+from robotwalk.config.schema import BezierConfig, RobotConfig
 from robotwalk.errors import ConfigError
 from robotwalk.swing_paths import SwingPath, swing_path, upper_half
 
@@ -82,6 +83,20 @@ def test_where_pieces_meet_the_velocity_is_one() -> None:
         math.dist((a.way.velocity, a.height.velocity), (b.way.velocity, b.height.velocity))
         for a, b in itertools.pairwise(slopes)]
     assert max(turns) < 0.01
+
+
+@pytest.mark.parametrize(("written", "complaint"), [
+    ("elipse", "locomotion.swing_path: expected 'parabola', 'half_ellipse' or 'ellipse' (got 'elipse')"),
+    ("{bezir: 1}", "locomotion.swing_path: unknown key 'bezir': did you mean 'bezier'?"),
+])
+def test_a_mistake_in_a_robots_file_has_one_sentence(written: str, complaint: str) -> None:
+    text = (library.root() / "robots" / "hexapod.yaml").read_text()
+    with pytest.raises(ConfigError) as error:
+        Document.parse(text.replace("swing_path: ellipse", f"swing_path: {written}"), "own.yaml").validate(RobotConfig)
+    line = text[: text.index("swing_path: ")].count("\n") + 1
+    assert str(error.value).startswith(f"own.yaml:{line}:")
+    assert str(error.value).endswith(complaint)
+    assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(("pieces", "what"), [
