@@ -7,7 +7,7 @@ BIN := .venv/bin
 help:
 	@echo "make walk    install, walk the hexapod in simulation, leave walk.gif"
 	@echo "make test    install and run all tests"
-	@echo "make fuzz    two million garbled inputs to all that takes bytes from a wire; about ten minutes"
+	@echo "make fuzz    two million garbled inputs to all that takes bytes from a wire; under half an hour"
 	@echo "make check   lint and type check"
 	@echo "make clean   remove .venv and what the tools leave behind"
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import serial
 
 from hal.serial_transport import names_hardware, open_port
 from robotwalk.clock import WallClock
@@ -130,3 +131,16 @@ def test_a_line_that_takes_no_bytes_is_an_error_and_not_a_wait(line: tuple[int, 
     with pytest.raises(BusError, match="takes no more bytes"):
         fill()
     port.close()
+
+
+def test_the_adapters_latency_is_asked_to_be_low(line: tuple[int, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """No pseudo-terminal has one to set: so it is only seen that it is asked for, and that a no is no error."""
+    asked: list[bool] = []
+
+    def refuse(self: serial.Serial, low: bool) -> None:
+        asked.append(low)
+        raise ValueError("no")
+
+    monkeypatch.setattr(serial.Serial, "set_low_latency_mode", refuse)
+    open_port(line[1], 1_000_000).close()
+    assert asked == [True]
