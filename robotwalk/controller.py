@@ -8,6 +8,7 @@ from robotwalk.body import Body, seen_from, up_axis
 from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.kinematics import solver_for
+from robotwalk.levelling import Levelling
 from robotwalk.model import RobotModel
 from robotwalk.reaction import Reaction
 from robotwalk.rocking import Rocking
@@ -63,6 +64,7 @@ class Controller:
         self._sway = Sway(model)
         self._rocking = Rocking(model)
         self._reaction = Reaction(model)
+        self._levelling = Levelling(model.levelling) if model.levelling is not None else None
         self._steering = Steering()
         self._pose = self._body.pose
 
@@ -78,7 +80,7 @@ class Controller:
         held = command.heading is not None or self._clock.gait.balance is not None
         twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=held)
         height, posture = self._carriage(state, command)
-        pose = self._body.step(twist, height, posture, dt)
+        pose = self._level(self._body.step(twist, height, posture, dt), state, estimate, dt)
         self._turn_needle(twist, bearable, dt)
         self._waiting = self._balance(pose, twist)
         rocked = self._rocking.step(self._sway.step(pose, dt), self._clock, not self._idle, dt)
@@ -88,7 +90,7 @@ class Controller:
         angles, reach_error = self._angles(footfalls)
         at_rest = self._idle and self._sway.at_rest and self._rocking.at_rest and self._reaction.at_rest
         settled = at_rest and self._body.settled(height, posture)
-        lowered = height == self._model.heights.sit
+        lowered = height == self._model.heights.sit and (self._levelling is None or self._levelling.at_rest)
         return Wanted(
             angles, twist, shaped.scale, footfalls.planted, reach_error,
             standing=settled and state in (State.STAND, State.WALK), seated=settled and lowered)
@@ -117,6 +119,13 @@ class Controller:
             return heights.sit, LEVEL
         height = heights.stand if command.height is None else command.height
         return min(max(height, heights.lowest), heights.highest), command.posture
+
+    def _level(self, pose: Pose, state: State, estimate: Estimate, dt: float) -> Pose:
+        """Keep the body level by the IMU while it is up; seated, it lies as the ground does."""
+        if self._levelling is None:
+            return pose
+        up = state in (State.STAND, State.WALK)
+        return self._levelling.step(pose, self._pose, estimate.imu if up else None, dt)
 
     def _turn_needle(self, twist: Twist, bearable: float, dt: float) -> None:
         """Turn it by a tick, unless lift-offs have to wait; with the body still and all feet at rest, stop it."""

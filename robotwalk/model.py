@@ -10,7 +10,7 @@ from enum import Enum
 from functools import cached_property
 from typing import Literal, NamedTuple
 
-from robotwalk.config.schema import LegConfig, LocomotionConfig, ReactionConfig, RobotConfig, Solver
+from robotwalk.config.schema import LegConfig, LevellingConfig, LocomotionConfig, ReactionConfig, RobotConfig, Solver
 from robotwalk.swing_paths import SwingPath, swing_path
 from robotwalk.types import Vec3
 
@@ -76,6 +76,14 @@ class MotionLimits(NamedTuple):
     min_swing: float  # s
 
 
+class LevellingSettings(NamedTuple):
+    """How the body is kept level; see `LevellingConfig`."""
+
+    c1: float  # 1/s^2
+    c2: float  # 1/s
+    limit: float  # rad
+
+
 class Reactions(NamedTuple):
     """How the body answers to its feet; gains without unit."""
 
@@ -107,6 +115,7 @@ class RobotModel:
     heights: Heights
     motion: MotionLimits
     reactions: Reactions
+    levelling: LevellingSettings | None = None
 
     @cached_property
     def joints(self) -> tuple[Joint, ...]:
@@ -161,7 +170,14 @@ class RobotModel:
                 min_swing=motion.min_swing_s,
             ),
             reactions=_reactions(motion.reaction, skeleton.legs),
+            levelling=_levelling(motion.levelling),
         )
+
+
+def _levelling(config: LevellingConfig | None) -> LevellingSettings | None:
+    if config is None:
+        return None
+    return LevellingSettings(config.c1_per_s2, config.c2_per_s, math.radians(config.limit_deg))
 
 
 def _reactions(config: ReactionConfig, legs: Iterable[str]) -> Reactions:

@@ -1,5 +1,6 @@
 """The composition root: the one room that locomotion, servos and simulator all enter."""
 
+from hal.imu.model import ImuModel as ImuModel
 from robotwalk.assembly.blueprint import Blueprint as Blueprint
 from robotwalk.assembly.blueprint import BusLoad as BusLoad
 from robotwalk.assembly.blueprint import SupplyLoad as SupplyLoad

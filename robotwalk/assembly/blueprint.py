@@ -169,6 +169,8 @@ def build(files: Files) -> Blueprint:
     imus = {name: imu.validate(ImuModel) for name, imu in files.imus.items()}
     for path, what, got in (*problems(hardware, limits, servos), *imu_problems(hardware, imus)):
         raise document.error(("hardware", *path), what, got)
+    if model.levelling is not None and hardware.imu is None:
+        raise document.error(("locomotion", "levelling"), "this needs an IMU, which hardware: imu does not have")
     used = {joint.servo for joint in hardware.joints.values()}
     kinds = [] if hardware.imu is None else [hardware.imu.kind]
     needed = files._replace(

@@ -12,7 +12,7 @@ from robotwalk.config.schema import RobotConfig
 from robotwalk.gait_rules import fitted, read_gait
 from robotwalk.model import RobotModel
 
-app = App(name="list", help="List the bundled robots, servos, gaits or terrains, or the faults of a simulation.")
+app = App(name="list", help="List the bundled robots, servos, IMUs, gaits or terrains, or the faults of a simulation.")
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="one JSON object on stdout")]
 
@@ -36,6 +36,17 @@ def servos(*, json: Json = False) -> None:
     _show("servos", [
         {"name": model.name, "description": model.description, "protocol": model.protocol,
          "model_number": model.model_number}
+        for model in models
+    ], json)
+
+
+@app.command
+def imus(*, json: Json = False) -> None:
+    """List the kinds of IMU."""
+    models = [library.open_document("imus", name).validate(assembly.ImuModel) for name in library.names("imus")]
+    _show("imus", [
+        {"name": model.name, "description": model.description, "frames": model.frames, "rate_hz": model.rate_hz,
+         "baud_rates": list(model.baud_rates)}
         for model in models
     ], json)
 
@@ -89,5 +100,5 @@ def _show(kind: str, rows: list[dict[str, Any]], json: bool) -> None:
         write_json({kind: rows})
         return
     columns = list(rows[0])
-    cells = [[", ".join(v) if isinstance(v, list) else str(v) for v in row.values()] for row in rows]
+    cells = [[", ".join(map(str, v)) if isinstance(v, list) else str(v) for v in row.values()] for row in rows]
     write_table(kind, columns, cells)

@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from robotwalk import assembly
+from robotwalk.cli.imu_report import ImuReport
 from robotwalk.controller import twist_of
 from robotwalk.journey import Journey, Summary
 from robotwalk.loop import Tick
 from robotwalk.robot import check_command, check_duration
 from robotwalk.supervisor import State
 from robotwalk.timing import Histogram
-from robotwalk.types import BusStatistics, Command, ImuStatistics, Pose
+from robotwalk.types import BusStatistics, Command, Pose
 from robotwalk.velocity import feasible
 
 _GRAVITY = 9.81  # m/s^2
@@ -69,7 +70,7 @@ class Outing:
         self._truth = self._odometry = Journey(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), direction=0.0, nominal_height=0.0)
         self._energy = 0.0
         self._margin = math.inf  # m, the least so far; below all numbers once too few feet stood for any
-        self._imu_tilt: float | None = None  # rad, the largest that the IMU told
+        self._imu = ImuReport()
         self._ticks = self._walking_ticks = 0
         self._wall = 0.0
         self._film = assembly.film(self._world) if film and self._world else None
@@ -149,7 +150,7 @@ class Outing:
             "bus": {
                 name: _bus_fields(line) for name, line in self._robot.bus_statistics().items()
             },
-            **_imu_fields(self._robot.imu_statistics(), self._imu_tilt),
+            **self._imu.fields(self._robot.imu_statistics()),
             "timing": {
                 "missed_deadlines": loop.missed,
                 "wake_us": _rounded(loop.wake), "tick_us": _rounded(loop.compute), "bus_us": _rounded(loop.exchange)},
@@ -192,9 +193,7 @@ class Outing:
             if tick.state is State.WALK:
                 margin = tick.stability.margin
                 self._margin = -math.inf if margin is None else min(self._margin, margin)
-            imu = tick.estimate.imu
-            if imu is not None and imu.valid:
-                self._imu_tilt = max(self._imu_tilt or 0.0, math.acos(math.cos(imu.roll) * math.cos(imu.pitch)))
+            self._imu.add(tick.estimate.imu)
         if self._ticks % max(rate // 10, 1) == 0:
             elapsed = self._ticks / rate
             self._progress(
@@ -238,15 +237,6 @@ class Outing:
 def _bus_fields(line: BusStatistics) -> dict[str, Any]:
     fields = line._asdict()
     return fields | {"max_age_ms": 1e3 * fields.pop("max_age")}
-
-
-def _imu_fields(imu: ImuStatistics | None, max_tilt: float | None) -> dict[str, Any]:
-    """Return what the IMU adds to a report; nothing without one."""
-    if imu is None:
-        return {}
-    fields = imu._asdict()
-    tilt = None if max_tilt is None else math.degrees(max_tilt)
-    return {"imu": fields | {"max_age_ms": 1e3 * fields.pop("max_age"), "max_tilt_deg": tilt}}
 
 
 def _rounded(histogram: Histogram) -> dict[str, float]:

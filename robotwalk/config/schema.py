@@ -155,6 +155,14 @@ class ReactionConfig(Section):
     largest_turn_deg: Positive = 5.0
 
 
+class LevellingConfig(Section):
+    """How the body is kept level by the IMU (ARTH section 5.6)."""
+
+    c1_per_s2: Annotated[float, Field(gt=0, le=100)] = 36.0  # angular acceleration per angle that it is off
+    c2_per_s: Annotated[float, Field(gt=0, le=100)] = 12.0  # and its damping; 2 sqrt(c1) is critical
+    limit_deg: Annotated[float, Field(gt=0, le=45)] = 12.0  # of the correction, in roll and in pitch
+
+
 class LocomotionConfig(Section):
     """How the robot may move."""
 
@@ -166,6 +174,7 @@ class LocomotionConfig(Section):
     min_swing_s: Positive
     swing_path: SwingPathConfig
     solver: Solver | None = None  # of inverse kinematics; None: a closed form where there is one, else ccd
+    levelling: LevellingConfig | None = None  # None: off; else the robot needs an IMU
     feet: dict[str, FootfallConfig]
     reaction: ReactionConfig = ReactionConfig()
 

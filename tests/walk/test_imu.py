@@ -151,3 +151,26 @@ def test_it_is_one_more_port_of_the_simulated_device(tmp_path: Path) -> None:
     heard = [imu for imu in seen if imu is not None and imu.valid]
     assert len(heard) > 0.8 * len(seen)
     assert abs(heard[-1].roll) < 0.1
+
+
+def test_a_hexapod_with_an_imu_levels_its_body_on_a_slope_until_the_imu_is_gone(tmp_path: Path) -> None:
+    tilts = {}
+    for levelling in ("", "  levelling: {}\n"):
+        with FakeRobot(with_imu(tmp_path, KINDS["wt61"], levelling), terrain="ramp_8") as fake:
+            fake.robot.stand()
+            fake.robot.walk(vx=0.2, seconds=5.0)
+            tilts[levelling] = math.degrees(math.hypot(fake.base.roll, fake.base.pitch))
+            if levelling:
+                assert not fake.fell
+                fake.befall("unplug", bus="imu")
+                fake.robot.walk(vx=0.05, seconds=2.0)
+                assert math.degrees(math.hypot(fake.base.roll, fake.base.pitch)) > 5.0
+    assert tilts[""] > 6.5
+    assert tilts["  levelling: {}\n"] < 1.5
+
+
+def test_levelling_needs_an_imu(tmp_path: Path) -> None:
+    path = with_imu(tmp_path, KINDS["wt61"], "  levelling: {}\n")
+    path.write_text("\n".join(line for line in path.read_text().splitlines() if not line.startswith("  imu:")))
+    with pytest.raises(ConfigError, match=r"hexapod_imu.yaml:\d+:\d+: locomotion.levelling: this needs an IMU"):
+        assembly.load(str(path))
