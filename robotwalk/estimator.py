@@ -20,7 +20,7 @@ _SETTLING = 0.06  # s after a footprint is reached before its foot counts: the s
 class Estimate(NamedTuple):
     """The body's state by odometry, and by an IMU if there is one."""
 
-    pose: Pose  # of the base in odom; roll and pitch are not seen and stay 0, yaw is not wrapped
+    pose: Pose  # of the base in odom; yaw is not wrapped; roll and pitch are 0 without a valid IMU
     standing_feet: int  # that the last step relied on
     imu: ImuState | None = None  # None: there is none, or it has not been heard yet
 
@@ -64,6 +64,13 @@ class Odometry:
         else:
             self._pose = advanced(self._pose, commanded, dt)
         return Estimate(self._pose, len(pairs))
+
+
+def told_by(imu: ImuState | None, estimate: Estimate) -> Estimate:
+    """Return an estimate with what the IMU tells, if there is one and it does."""
+    if imu is None or not imu.valid:
+        return estimate._replace(imu=imu)
+    return estimate._replace(pose=estimate.pose._replace(roll=imu.roll, pitch=imu.pitch), imu=imu)
 
 
 def _rigid_motion(pairs: Sequence[tuple[Vec3, Vec3]]) -> tuple[float, float, float]:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from robotwalk.clock import Grid
 from robotwalk.controller import Controller, Wanted
-from robotwalk.estimator import Estimate, Odometry
+from robotwalk.estimator import Estimate, Odometry, told_by
 from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate
 from robotwalk.model import RobotModel
@@ -197,7 +197,7 @@ class Loop:
 
     def _think(self, now: int, joints: JointState, imu: ImuState | None, dt: float) -> Tick:
         """Everything between the bytes read and the goals for the next write."""
-        estimate = self._odometry.step(joints, self._wanted.planted, self._wanted.twist, dt)._replace(imu=imu)
+        estimate = told_by(imu, self._odometry.step(joints, self._wanted.planted, self._wanted.twist, dt))
         stable = stability(self._masses, joints.position, self._wanted.planted, estimate.pose)
         oldest = max(range(len(joints.age)), key=joints.age.__getitem__)
         stalest = self._bus.joints[oldest], joints.age[oldest]

@@ -22,7 +22,7 @@ class PtyEndpoint:
         """
         self.url = str(path)
         self._terminal = PseudoTerminal(baud)
-        self._unasked = unasked
+        self._unasked, self._talks_at = unasked, baud
         self._in_use = False  # whether a client that has sent something is still there
         try:
             self._link = DeviceLink(path, self._terminal.path)
@@ -50,8 +50,15 @@ class PtyEndpoint:
 
     def send(self, data: bytes) -> None:
         """Send to the client. What comes after it has gone is no business of the next one."""
-        if self._in_use or (self._unasked and not self._terminal.is_vacant()):
+        if self._in_use or self._overhears():
             self._terminal.write(data)
+
+    def _overhears(self) -> bool:
+        """Return whether a client need not ask, and is there, at the baud rate of what talks.
+
+        At another one it would get garbage; here it gets nothing.
+        """
+        return self._unasked and self._terminal.baud == self._talks_at and not self._terminal.is_vacant()
 
     def close(self) -> None:
         """Remove the link, then the terminal."""

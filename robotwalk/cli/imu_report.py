@@ -22,12 +22,17 @@ class ImuReport:
             self._pitch += imu.pitch
             self._tilt = max(self._tilt, math.acos(math.cos(imu.roll) * math.cos(imu.pitch)))
 
+    @property
+    def heard(self) -> bool:
+        """Whether it told anything."""
+        return self._count > 0
+
     def fields(self, statistics: ImuStatistics | None) -> dict[str, Any]:
         """Return the field `imu` of a report; none if the robot has no IMU."""
         if statistics is None:
             return {}
         carried = statistics._asdict()
-        heard = self._count > 0
+        heard = self.heard
         return {"imu": carried | {
             "max_age_ms": 1e3 * carried.pop("max_age"),
             "mean_roll_deg": math.degrees(self._roll / self._count) if heard else None,

@@ -139,7 +139,7 @@ class Outing:
             "heading_change_deg": math.degrees(truth.displacement.yaw),
             "speed_mps": truth.distance / seconds if seconds else 0.0,
             "lateral_drift_m": self._drift(truth) if plan.turn == 0.0 and plan.heading is None else None,
-            "max_tilt_deg": math.degrees(truth.max_tilt) if simulated else None,
+            "max_tilt_deg": math.degrees(truth.max_tilt) if simulated or self._imu.heard else None,
             "min_height_m": truth.min_height,
             "fell": truth.fell,
             "min_stability_margin_m": self._margin if math.isfinite(self._margin) else None,

@@ -5,11 +5,11 @@ from random import Random
 
 import pytest
 
-from . import fakes, hosts
+from . import fakes, hosts, imus
 
 _INPUTS = 1000  # of each
 
-TRIALS = dict([*hosts.trials(), *fakes.trials()])
+TRIALS = dict([*hosts.trials(), *fakes.trials(), *imus.trials()])
 
 
 @pytest.mark.parametrize("name", TRIALS)

@@ -9,6 +9,7 @@ import pytest
 
 from robotwalk import assembly
 from robotwalk.assembly.replay import replay
+from robotwalk.assembly.transcript import of_log
 from robotwalk.cli.outing import Outing, Plan
 from robotwalk.config import library
 from robotwalk.errors import ConfigError
@@ -109,6 +110,7 @@ def test_a_walk_with_an_imu_replays_bit_for_bit_and_tells_of_it(tmp_path: Path) 
     report = outing.report()
     assert report["imu"]["reports"] == pytest.approx(report["ticks"], abs=3)
     assert 0.0 < report["imu"]["max_tilt_deg"] < 2.0
+    assert {line.bus for line in of_log(log)} == {"legs"}  # the rest is no servos' talk
     replayed = replay(log)
     assert replayed.difference is None
     assert replayed.ticks == report["ticks"]
@@ -151,6 +153,7 @@ def test_it_is_one_more_port_of_the_simulated_device(tmp_path: Path) -> None:
     heard = [imu for imu in seen if imu is not None and imu.valid]
     assert len(heard) > 0.8 * len(seen)
     assert abs(heard[-1].roll) < 0.1
+    assert session.robot.state.odometry.roll == heard[-1].roll
 
 
 def test_a_hexapod_with_an_imu_levels_its_body_on_a_slope_until_the_imu_is_gone(tmp_path: Path) -> None:
