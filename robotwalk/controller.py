@@ -18,9 +18,10 @@ from robotwalk.supervisor import State
 from robotwalk.sway import Sway
 from robotwalk.types import LEVEL, STILL, Command, Pose, Twist
 from robotwalk.unfold import Unfold
-from robotwalk.velocity import Shaped, VelocityShaper
+from robotwalk.velocity import Propulsion, Shaped, VelocityShaper
 
 _HEADING_GAIN = 2.0  # rad/s per rad off the heading
+_ROUNDING = 1e-9
 
 
 class Wanted(NamedTuple):
@@ -59,6 +60,7 @@ class Controller:
         """Begin at the origin, seated and at rest."""
         model = self._model
         self._shaper = VelocityShaper(model.motion)
+        self._propulsion = Propulsion(len(model.legs))
         self._body = Body(model.heights.sit)
         self._stepping = Stepping(model, self._body.course)
         self._sway = Sway(model)
@@ -106,11 +108,12 @@ class Controller:
         aim = self._shaper.feasible(twist, gait)
         share = bearable = self._stepping.bearable(self._clock, course, aim)
         # A slower gait takes over once the body is slow enough for it.
-        if gait is not self._clock.gait and gait.largest_scale(now) >= 1.0:
+        if gait is not self._clock.gait and gait.largest_scale(now) >= 1.0 - _ROUNDING:
             ready = self._stepping.change_gait(self._clock, gait, course, now)
             if ready < 1.0 and aim != STILL:  # slow down until it is
                 share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
-        return self._shaper.step(twist, gait, dt, share), bearable
+        pushes = self._propulsion.step(self._clock, self._stepping.footfalls().planted, self._idle)
+        return self._shaper.step(twist, gait, dt, share, pushes=pushes), bearable
 
     def _carriage(self, state: State, command: Command) -> tuple[float, Pose]:
         """Return the height and the posture to go for; down only once the feet are at rest."""

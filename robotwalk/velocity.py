@@ -1,10 +1,12 @@
 """From the twist that is asked for to the twist that the robot can do now."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
-from robotwalk.gait import Gait
+from robotwalk.gait import Gait, GaitClock
 from robotwalk.model import MotionLimits
+from robotwalk.pseudo_physics import Stage, step_at
 from robotwalk.types import STILL, Twist
 
 
@@ -25,6 +27,29 @@ def feasible(wanted: Twist, limits: MotionLimits, gait: Gait) -> tuple[Twist, fl
     if abs(wanted.wz) > limits.turn:
         scale = min(scale, limits.turn / abs(wanted.wz))
     return Twist(wanted.vx * scale, wanted.vy * scale, wanted.wz * scale), scale
+
+
+class Propulsion:
+    """Tells when some foot pushes the body on: in the second half of its stance (PPS section 4).
+
+    Feet that have stood since before the robot set off may push at once.
+    """
+
+    def __init__(self, feet: int) -> None:
+        self._rested = [True] * feet  # not swung since the robot stood still
+
+    def step(self, clock: GaitClock, planted: Sequence[bool], idle: bool) -> bool:
+        """Look at the feet once a tick."""
+        if idle:
+            self._rested = [True] * len(planted)
+            return True
+        pushes = False
+        for foot, stands in enumerate(planted):
+            if not stands:
+                self._rested[foot] = False
+            elif self._rested[foot] or step_at(clock.gait.feet[foot], clock.phase).stage is Stage.PROPULSION:
+                pushes = True
+        return pushes
 
 
 class VelocityShaper:
@@ -49,12 +74,20 @@ class VelocityShaper:
             self._feasible = feasible(wanted, self._limits, gait)
         return self._feasible[0]
 
-    def step(self, wanted: Twist, gait: Gait, dt: float, hold_back: float = 1.0) -> Shaped:
-        """Advance by `dt` s towards `wanted`, or a share of it while the feet cannot follow."""
+    def step(
+        self, wanted: Twist, gait: Gait, dt: float, hold_back: float = 1.0, *, pushes: bool = True
+    ) -> Shaped:
+        """Advance by `dt` s towards `wanted`, or a share of it while the feet cannot follow.
+
+        While no foot `pushes` the twist stays as it is, but for a stop, or feet that cannot follow.
+        """
         aim = self.feasible(wanted, gait)
         scale = self._feasible[1]
         aim = Twist(aim.vx * hold_back, aim.vy * hold_back, aim.wz * hold_back)
         now = self._twist
+        held_back = hold_back < 1.0 and math.hypot(*aim[:2]) <= math.hypot(*now[:2]) and abs(aim.wz) <= abs(now.wz)
+        if not pushes and not held_back and wanted != STILL:
+            return Shaped(now, aim, scale)
         dx, dy, dw = aim.vx - now.vx, aim.vy - now.vy, aim.wz - now.wz
         # The share of the way that this tick's accelerations allow.
         excess = max(

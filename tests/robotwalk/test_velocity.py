@@ -8,8 +8,10 @@ from hypothesis import strategies as st
 
 from robotwalk.gait import Gait
 from robotwalk.model import RobotModel
-from robotwalk.types import STILL, Twist
+from robotwalk.types import STILL, Command, Twist
 from robotwalk.velocity import VelocityShaper, feasible
+
+from .conftest import PerfectRobot
 
 DT = 0.01
 ACCELERATION, TURN_ACCELERATION = 0.3, math.radians(120.0)  # of the hexapod
@@ -107,3 +109,32 @@ def test_feet_that_cannot_follow_hold_it_back(hexapod: RobotModel, gaits: dict[s
         shaped = shaper.step(Twist(0.2, 0.0, 0.2), gaits["tripod"], DT, 0.25)
     assert shaped.twist == pytest.approx((0.05, 0.0, 0.05))
     assert shaped.scale == 1.0
+
+
+def test_the_speed_changes_only_while_a_foot_pushes(hexapod: RobotModel, gaits: dict[str, Gait]) -> None:
+    """In tripod: in the second half of each half turn (PPS section 4); what slows the body down waits for nothing."""
+    robot = PerfectRobot(hexapod, gaits)
+    robot.walk(Command(Twist(0.05, 0.0, 0.0)), 2.0)
+    robot.command = Command(Twist(0.2, 0.0, 0.0))
+    robot.tick()  # the needle has just passed a touchdown, which is seen in the next tick
+    before, changed = robot.tick().wanted.twist.vx, set()
+    for frame in robot.run(4.0):
+        if frame.wanted.twist.vx > before:
+            changed.add(robot.controller._clock.phase % 0.5)
+        before = frame.wanted.twist.vx
+    assert before > 0.18
+    assert changed
+    assert all(phase > 0.24 or phase < 0.02 for phase in changed)
+    stopping = []
+    for _ in range(50):  # at every phase of half a turn
+        robot.walk(Command(Twist(0.1, 0.0, 0.0)), 2.01)
+        robot.command = Command()
+        stopping.append(robot.tick().wanted.twist.vx)
+    assert max(stopping) < 0.0999
+
+
+def test_a_robot_sets_off_at_once(hexapod: RobotModel, gaits: dict[str, Gait]) -> None:
+    robot = PerfectRobot(hexapod, gaits)
+    robot.walk(Command(), 0.1)
+    frames = robot.walk(Command(Twist(0.1, 0.0, 0.0)), 0.4)
+    assert frames[-1].wanted.twist.vx == pytest.approx(0.1)
