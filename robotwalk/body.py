@@ -27,9 +27,10 @@ def placed(pose: Pose, point: Vec3) -> tuple[float, float]:
 
 
 def composed(course: Pose, posture: Pose) -> Pose:
-    """Return the body's pose for a level course and a displacement from it, given in the base frame."""
+    """Return the body's pose for a course, nearly level, and a displacement from it, given in the base frame."""
     x, y = placed(course, Vec3(posture.x, posture.y, posture.z))
-    return Pose(x, y, course.z + posture.z, posture.roll, posture.pitch, course.yaw + posture.yaw)
+    return Pose(
+        x, y, course.z + posture.z, course.roll + posture.roll, course.pitch + posture.pitch, course.yaw + posture.yaw)
 
 
 def seen_from(pose: Pose, points: Iterable[Vec3]) -> list[Vec3]:
@@ -50,6 +51,17 @@ def seen_from(pose: Pose, points: Iterable[Vec3]) -> list[Vec3]:
             zx * dx + zy * dy + zz * dz,
         ))
     return seen
+
+
+def in_odom(pose: Pose, vector: Vec3) -> Vec3:
+    """Return a vector of the base frame of a body at `pose` in odom's axes; a point needs the body's place added."""
+    cr, sr = math.cos(pose.roll), math.sin(pose.roll)
+    cp, sp = math.cos(pose.pitch), math.sin(pose.pitch)
+    cy, sy = math.cos(pose.yaw), math.sin(pose.yaw)
+    x, y, z = vector
+    y, z = cr * y - sr * z, sr * y + cr * z
+    x, z = cp * x + sp * z, cp * z - sp * x
+    return Vec3(cy * x - sy * y, sy * x + cy * y, z)
 
 
 def up_axis(pose: Pose) -> Vec3:

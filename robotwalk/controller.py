@@ -4,19 +4,22 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from robotwalk.body import Body, seen_from, up_axis
+from robotwalk.body import Body, in_odom, placed, seen_from, up_axis
+from robotwalk.contact import Sense, sag
 from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.kinematics import solver_for
 from robotwalk.levelling import Levelling
 from robotwalk.model import RobotModel
+from robotwalk.orientation import Orientation
 from robotwalk.reaction import Reaction
 from robotwalk.rocking import Rocking
+from robotwalk.statics import Bearing, LegStatics
 from robotwalk.steering import Steering
-from robotwalk.stepping import Footfalls, Stepping
+from robotwalk.stepping import FLAT, Footfalls, Stepping
 from robotwalk.supervisor import State
 from robotwalk.sway import Sway
-from robotwalk.types import LEVEL, STILL, Command, Pose, Twist
+from robotwalk.types import LEVEL, STILL, Command, Pose, Twist, Vec3
 from robotwalk.unfold import Unfold
 from robotwalk.velocity import Propulsion, Shaped, VelocityShaper
 
@@ -31,9 +34,15 @@ class Wanted(NamedTuple):
     twist: Twist  # of the body in its base frame
     scale: float  # feasible twist / commanded twist
     planted: tuple[bool, ...]
+    torques: Sequence[float]  # N m that the joints bear, at rest
+    legs: Sequence[LegStatics]  # at these angles; empty before the robot stands up
+    pose: Pose  # of the body in odom
     reach_error: float  # m, the farthest that a leg is short of its target
     standing: bool  # at its height, all feet at rest
     seated: bool  # lowered, all feet at rest
+
+
+NOTHING_WANTED = Wanted((), STILL, 1.0, (), (), (), LEVEL, 0.0, standing=False, seated=False)
 
 
 class Controller:
@@ -43,6 +52,7 @@ class Controller:
         self._model = model
         self._gaits = gaits
         self._default_gait = default_gait
+        self._no_torques = (0.0,) * len(model.joints)
         self._solvers = tuple(solver_for(leg) for leg in model.legs)
         self._clock = GaitClock(gaits[default_gait])
         self._unfold: Unfold | None = None
@@ -62,7 +72,12 @@ class Controller:
         self._shaper = VelocityShaper(model.motion)
         self._propulsion = Propulsion(len(model.legs))
         self._body = Body(model.heights.sit)
-        self._stepping = Stepping(model, self._body.course)
+        self._bearing = Bearing(model)
+        self._foot_course = self._body.course  # the body's, brought down its own axis to the ground
+        self._stepping = Stepping(model, self._foot_course)
+        self._orientation = Orientation(model, model.orientation) if model.orientation is not None else None
+        self._footfalls = self._stepping.footfalls()
+        self._loads: Sequence[float] = ()
         self._sway = Sway(model)
         self._rocking = Rocking(model)
         self._reaction = Reaction(model)
@@ -76,25 +91,29 @@ class Controller:
         if unfold is not None and not unfold.done:
             # On the way down too: it may have been found standing, and is down only when its joints have arrived.
             angles = unfold.step(0.0 if state is State.READY else dt)
-            return Wanted(angles, STILL, 1.0, self._stepping.footfalls().planted, 0.0, False, False)
+            return NOTHING_WANTED._replace(
+                angles=angles, planted=self._stepping.footfalls().planted, torques=self._no_torques)
         shaped, bearable = self._shape(state, command, estimate, dt)
         # While a body shifts, its joints give to changing loads, and odometry sees turns that are none.
         held = command.heading is not None or self._clock.gait.balance is not None
         twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=held)
         height, posture = self._carriage(state, command)
-        pose = self._level(self._body.step(twist, height, posture, dt), state, estimate, dt)
+        over_ground = self._over_ground(self._body.step(twist, height, posture, dt), dt)
+        pose = self._level(over_ground, state, estimate, dt)
         self._turn_needle(twist, bearable, dt)
         self._waiting = self._balance(pose, twist)
         rocked = self._rocking.step(self._sway.step(pose, dt), self._clock, not self._idle, dt)
         self._pose = self._reaction.step(
             rocked, self._clock, self._stepping.footfalls(), self._body.course, not self._idle, dt)
-        footfalls = self._step_feet(twist, dt)
+        footfalls = self._footfalls = self._step_feet(twist, estimate, dt)
         angles, reach_error = self._angles(footfalls)
+        statics = self._bearing.step(angles, self._pose, footfalls.planted, dt)
+        self._loads = statics.loads
         at_rest = self._idle and self._sway.at_rest and self._rocking.at_rest and self._reaction.at_rest
         settled = at_rest and self._body.settled(height, posture)
         lowered = height == self._model.heights.sit and (self._levelling is None or self._levelling.at_rest)
         return Wanted(
-            angles, twist, shaped.scale, footfalls.planted, reach_error,
+            angles, twist, shaped.scale, footfalls.planted, statics.torques, statics.legs, self._pose, reach_error,
             standing=settled and state in (State.STAND, State.WALK), seated=settled and lowered)
 
     def _shape(self, state: State, command: Command, estimate: Estimate, dt: float) -> tuple[Shaped, float]:
@@ -104,7 +123,7 @@ class Controller:
             turn = _HEADING_GAIN * (command.heading - estimate.pose.yaw)
             limit = self._model.motion.turn
             twist = twist._replace(wz=min(max(turn, -limit), limit))
-        gait, now, course = self._gaits[command.gait or self._default_gait], self._shaper.twist, self._body.course
+        gait, now, course = self._gaits[command.gait or self._default_gait], self._shaper.twist, self._foot_course
         aim = self._shaper.feasible(twist, gait)
         share = bearable = self._stepping.bearable(self._clock, course, aim)
         # A slower gait takes over once the body is slow enough for it.
@@ -133,10 +152,10 @@ class Controller:
     def _turn_needle(self, twist: Twist, bearable: float, dt: float) -> None:
         """Turn it by a tick, unless lift-offs have to wait; with the body still and all feet at rest, stop it."""
         was_idle = self._idle
-        self._idle = twist == STILL and self._stepping.settled(self._body.course)
+        self._idle = twist == STILL and self._stepping.settled(self._foot_course)
         if was_idle and not self._idle:
             self._clock.rewind()
-        elif not self._idle and not self._waiting:
+        elif not self._idle and not self._waiting and not self._footfalls.late:
             self._clock.advance(twist, dt, bearable)
 
     def _balance(self, pose: Pose, twist: Twist) -> bool:
@@ -148,13 +167,55 @@ class Controller:
         until_lift_off = stepping.until_lift_off(clock)
         if not balanced:
             return self._sway.release(until_lift_off)
-        return self._sway.plan(clock, stepping.footfalls(), self._body.course, pose, twist, until_lift_off)
+        return self._sway.plan(clock, stepping.footfalls(), self._foot_course, pose, twist, until_lift_off)
 
-    def _step_feet(self, twist: Twist, dt: float) -> Footfalls:
+    def _over_ground(self, pose: Pose, dt: float) -> Pose:
+        """Lay the body over its feet."""
+        if self._orientation is None:
+            self._foot_course = self._body.course
+            return pose
+        model = self._model
+        feet = self._footfalls.stood
+        if model.orientation is not None and model.orientation.in_swing:
+            feet = self._footfalls.centres
+        grounded = [foot._replace(z=foot.z - model.foot_radius) for foot in feet]
+        course = self._body.course
+        change = self._orientation.step(grounded, course, dt)
+        # Feet rest below the body along its own axis (ARTH section 5.3): legs fit it however far odom's tilt is off.
+        height = model.heights.stand
+        ahead, left = -height * math.sin(change.pitch), height * math.sin(change.roll)
+        x, y = placed(course, Vec3(ahead, left, 0.0))
+        self._foot_course = course._replace(x=x, y=y)
+        return pose._replace(z=pose.z + change.z, roll=pose.roll + change.roll, pitch=pose.pitch + change.pitch)
+
+    def _step_feet(self, twist: Twist, estimate: Estimate, dt: float) -> Footfalls:
+        senses = self._senses(estimate)
         if self._idle:
             return self._stepping.footfalls()
-        up = up_axis(self._pose)
-        return self._stepping.step(self._clock, self._body.course, twist, dt, hold=self._waiting, up=up)
+        up, plane = up_axis(self._pose), FLAT
+        if self._orientation is not None:
+            plane = self._orientation.plane.seen_at(self._body.course, self._foot_course.x, self._foot_course.y)
+        return self._stepping.step(
+            self._clock, self._foot_course, twist, dt, hold=self._waiting, up=up, senses=senses, plane=plane,
+            loads=self._loads)
+
+    def _senses(self, estimate: Estimate) -> list[Sense | None] | None:
+        """Return what the feet feel in odom, by where the body is told to be."""
+        if self._model.contact is None or not estimate.felt:
+            return None
+        senses: list[Sense | None] = []
+        pose, falls = self._pose, self._footfalls
+        standing = [
+            stands and felt is not None and felt.touching
+            for stands, felt in zip(falls.planted, estimate.felt, strict=True)]
+        give = sag(seen_from(pose, falls.stood), estimate.feet, standing)
+        for foot, felt in zip(estimate.feet, estimate.felt, strict=True):
+            if foot is None or felt is None:
+                senses.append(None)
+                continue
+            x, y, z = in_odom(pose, foot._replace(z=foot.z - give.at(foot)))
+            senses.append(Sense(Vec3(pose.x + x, pose.y + y, pose.z + z), in_odom(pose, felt.force), felt.touching))
+        return senses
 
     def _angles(self, footfalls: Footfalls) -> tuple[list[float], float]:
         angles: list[float] = []

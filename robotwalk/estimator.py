@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from robotwalk.body import advanced
+from robotwalk.contact import Felt
 from robotwalk.kinematics import solver_for
 from robotwalk.model import RobotModel
 from robotwalk.types import LEVEL, ImuState, JointState, Pose, Twist, Vec3
@@ -23,6 +24,8 @@ class Estimate(NamedTuple):
     pose: Pose  # of the base in odom; yaw is not wrapped; roll and pitch are 0 without a valid IMU
     standing_feet: int  # that the last step relied on
     imu: ImuState | None = None  # None: there is none, or it has not been heard yet
+    feet: tuple[Vec3 | None, ...] = ()  # in the base frame, m; None where a joint did not answer
+    felt: tuple[Felt | None, ...] = ()  # by each foot; empty where nothing can be felt
 
 
 class Odometry:
@@ -63,7 +66,7 @@ class Odometry:
                 z=height, yaw=self._pose.yaw + turn)
         else:
             self._pose = advanced(self._pose, commanded, dt)
-        return Estimate(self._pose, len(pairs))
+        return Estimate(self._pose, len(pairs), feet=tuple(self._feet))
 
 
 def told_by(imu: ImuState | None, estimate: Estimate) -> Estimate:

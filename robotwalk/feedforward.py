@@ -1,9 +1,10 @@
 """Goals that make a servo arrive where it should be, when it should.
 
 A position servo near rest is a spring, a damper and a mass with dry friction: it follows its goal with the lag and
-the overshoot of `goal = q + damping q' + inertia q'' + friction sgn q'`. Sending that goal for the wanted q undoes
-them. Without it a walking robot strides longer than told where the joints overshoot, and shorter where a soft servo
-loses some of its way to friction at each turn.
+the overshoot of `goal = q + damping q' + inertia q'' + friction sgn q' + torque / stiffness`. Sending that goal for
+the wanted q undoes them. Without it a walking robot strides longer than told where the joints overshoot, and shorter
+where a soft servo loses some of its way to friction at each turn; and its body hangs lower than told, and tilts as its
+legs take turns at bearing it.
 """
 
 from collections.abc import Sequence
@@ -25,14 +26,17 @@ class Feedforward:
         """Start at rest."""
         self._last = self._before = tuple(positions)
 
-    def step(self, wanted: Sequence[float], dt: float) -> list[float]:
-        """Return the goals for the wanted angles, `dt` s after the last ones."""
+    def step(self, wanted: Sequence[float], torques: Sequence[float], dt: float) -> list[float]:
+        """Return the goals for the wanted angles, `dt` s after the last ones; the joints bear `torques`, N m."""
         goals = []
-        for q, q1, q2, response in zip(wanted, self._last, self._before, self._responses, strict=True):
+        for q, q1, q2, torque, response in zip(
+            wanted, self._last, self._before, torques, self._responses, strict=True,
+        ):
             speed = (q - q1) / dt
             acceleration = (q - 2.0 * q1 + q2) / (dt * dt)
             direction = min(max(speed / _CREEP, -1.0), 1.0)
             goals.append(
-                q + response.damping * speed + response.inertia * acceleration + response.friction * direction)
+                q + response.damping * speed + response.inertia * acceleration + response.friction * direction
+                + torque / response.stiffness)
         self._before, self._last = self._last, wanted
         return goals

@@ -12,7 +12,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from robotwalk.clock import Grid
-from robotwalk.controller import Controller, Wanted
+from robotwalk.contact import FootSense
+from robotwalk.controller import NOTHING_WANTED, Controller, Wanted
 from robotwalk.estimator import Estimate, Odometry, told_by
 from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate
@@ -20,6 +21,7 @@ from robotwalk.model import RobotModel
 from robotwalk.ports import Clock, Imu, ServoBus
 from robotwalk.recorder import Row
 from robotwalk.stability import Stability, stability
+from robotwalk.statics import up_in_base
 from robotwalk.supervisor import Request, State, Supervisor
 from robotwalk.support import Masses
 from robotwalk.tape import Tape
@@ -63,6 +65,7 @@ class Loop:
         supervisor: Supervisor,
         record: Callable[[Row], None] | None = None,
         tape: Tape | None = None,
+        sense: FootSense | None = None,
     ) -> None:
         self.rate_hz = rate_hz
         self._masses = Masses(model)
@@ -76,6 +79,7 @@ class Loop:
         self._controller = controller
         self._odometry = odometry
         self._feedforward = feedforward
+        self._sense = sense
         self._record = record
         self._taped: Callable[..., None] = tape.call if tape is not None else lambda name, argument=None: None
         self.period = _NS // rate_hz
@@ -83,7 +87,7 @@ class Loop:
         self._paused = False
         self._goals: tuple[float, ...] = ()
         self._joints = JointState((), (), (), (), ())
-        self._wanted = Wanted((), STILL, 1.0, (), 0.0, False, False)
+        self._wanted = NOTHING_WANTED
         self.wake, self.exchange, self.compute = Histogram(), Histogram(), Histogram()
         self._digest = hashlib.sha256()
         self._packing = struct.Struct(f"<{2 * len(bus.joints)}d")
@@ -197,8 +201,12 @@ class Loop:
 
     def _think(self, now: int, joints: JointState, imu: ImuState | None, dt: float) -> Tick:
         """Everything between the bytes read and the goals for the next write."""
-        estimate = told_by(imu, self._odometry.step(joints, self._wanted.planted, self._wanted.twist, dt))
-        stable = stability(self._masses, joints.position, self._wanted.planted, estimate.pose)
+        wanted = self._wanted
+        estimate = told_by(imu, self._odometry.step(joints, wanted.planted, wanted.twist, dt))
+        stable = stability(self._masses, joints.position, wanted.planted, estimate.pose)
+        if self._sense is not None and wanted.legs:
+            up = up_in_base(wanted.pose.roll, wanted.pose.pitch)
+            estimate = estimate._replace(felt=self._sense.step(joints, wanted.legs, up, dt))
         oldest = max(range(len(joints.age)), key=joints.age.__getitem__)
         stalest = self._bus.joints[oldest], joints.age[oldest]
         state = self.supervisor.step(stalest, self._wanted.seated, self._bus.alerts)
@@ -206,7 +214,7 @@ class Loop:
         if now - self._beaten_at > _HEARTBEAT:
             command = command._replace(twist=STILL, heading=None)
         wanted = self._controller.step(state, command, estimate, dt)
-        goals = self.gate.step(self._feedforward.step(wanted.angles, dt), dt)
+        goals = self.gate.step(self._feedforward.step(wanted.angles, wanted.torques, dt), dt)
         self._wanted, self._goals = wanted, goals
         return Tick(now, state, joints, estimate, wanted, goals, stable)
 

@@ -10,7 +10,16 @@ from enum import Enum
 from functools import cached_property
 from typing import Literal, NamedTuple
 
-from robotwalk.config.schema import LegConfig, LevellingConfig, LocomotionConfig, ReactionConfig, RobotConfig, Solver
+from robotwalk.config.schema import (
+    ContactConfig,
+    LegConfig,
+    LevellingConfig,
+    LocomotionConfig,
+    OrientationConfig,
+    ReactionConfig,
+    RobotConfig,
+    Solver,
+)
 from robotwalk.swing_paths import SwingPath, swing_path
 from robotwalk.types import Vec3
 
@@ -102,6 +111,28 @@ class Reactions(NamedTuple):
         return self.height == self.bob == self.turn == 0.0
 
 
+class ContactSettings(NamedTuple):
+    """What the feet do about the ground that they feel; see `ContactConfig`."""
+
+    early_touchdown: bool
+    step_over: bool
+    reach_down: float  # m
+    search: bool
+    slip: bool
+    stance: bool
+
+
+class OrientationSettings(NamedTuple):
+    """How the body follows the ground; see `OrientationConfig`."""
+
+    mode: Literal["cheap", "full", "as_needed"]
+    c1: float  # 1/s^2
+    c2: float  # 1/s
+    frontal_bias: float
+    share: float
+    in_swing: bool
+
+
 @dataclass(frozen=True)
 class RobotModel:
     """Everything that locomotion knows of a robot."""
@@ -116,6 +147,8 @@ class RobotModel:
     motion: MotionLimits
     reactions: Reactions
     levelling: LevellingSettings | None = None
+    contact: ContactSettings | None = None
+    orientation: OrientationSettings | None = None
 
     @cached_property
     def joints(self) -> tuple[Joint, ...]:
@@ -171,6 +204,8 @@ class RobotModel:
             ),
             reactions=_reactions(motion.reaction, skeleton.legs),
             levelling=_levelling(motion.levelling),
+            contact=_contact(motion.contact),
+            orientation=_orientation(motion.orientation),
         )
 
 
@@ -185,6 +220,17 @@ def _reactions(config: ReactionConfig, legs: Iterable[str]) -> Reactions:
     return Reactions(
         config.height, tuple(weight / sum(weights) for weight in weights), config.bob, config.turn, config.turn_by,
         config.damping_s, _metres(config.largest_bob_mm), math.radians(config.largest_turn_deg))
+
+
+def _contact(config: ContactConfig | None) -> ContactSettings | None:
+    return None if config is None else ContactSettings(
+        config.early_touchdown, config.step_over, _metres(config.reach_down_mm), config.search, config.slip,
+        config.stance)
+
+
+def _orientation(config: OrientationConfig | None) -> OrientationSettings | None:
+    return None if config is None else OrientationSettings(
+        config.mode, config.c1_per_s2, config.c2_per_s, config.frontal_bias, config.share, config.in_swing)
 
 
 def _metres(millimetres: float) -> float:

@@ -6,18 +6,40 @@ tick until late in the swing.
 """
 
 import math
+from collections.abc import Sequence
+from random import Random
 from typing import NamedTuple
 
 from robotwalk.body import advanced, placed
+from robotwalk.contact import Sense
+from robotwalk.foot import Foot
 from robotwalk.gait import Gait, GaitClock, Sector
-from robotwalk.model import Leg, RobotModel
+from robotwalk.model import ContactSettings, Leg, RobotModel
+from robotwalk.orientation import GroundPlane
+from robotwalk.search import Search
+from robotwalk.statics import GRAVITY
 from robotwalk.swing import Swing
-from robotwalk.swing_paths import SwingPath
 from robotwalk.types import STILL, UP, Pose, Twist, Vec3
 
 _AT_REST = 1.5e-3  # m; a foot this near its rest position need not step
+_NEAR_REST = 10e-3  # m, where feet stand as they find the ground
 _LATEST_LIFTOFF = 0.6  # of a sector; a foot held back for longer sits this swing out
 _LATEST_RETARGET = 0.5  # of a swing
+_COMING_DOWN = 0.5  # of a swing, from where on a load is a touchdown
+_AS_EXPECTED = 8e-3  # m; a foot struck this near the ground that was expected goes on to it
+_AS_FELT = 3e-3  # m; ground this near to where it was expected is there
+_PRESS = 2e-3  # m below it that a foot is sent, to feel it
+_BUMP_UNTIL = 0.85  # of a swing; later it is the ground
+_BUMP = 0.1  # of the weight, that pushes a foot back on its way: it is struck
+_STEEP = 0.7  # of a load; pushed back by more than this, a foot would slip off what it struck
+_LOST = 0.12  # of the weight, that a foot should bear of which nothing is felt: it has lost its ground
+_LOST_FOR = 0.12  # s of that; loads pass from foot to foot in less
+_STRUCK_FOR = 0.025  # s; gears with backlash jolt, too, but not for long
+_BUMPS = 3  # in one swing, after which the foot stands where it is
+_HIGHER = 0.02  # m that each of them adds to the lift
+_MOST_CAUTIOUS = 0.025  # m added to the lift of every foot where the ground has surprised
+_CALMING = 0.9  # of that stays after each step without a surprise
+_BACK = 0.01  # m that a foot draws back when it is struck
 _STRETCH = 0.55  # of its largest stride that a foot may be from rest; half in a steady gait
 
 
@@ -27,39 +49,12 @@ class Footfalls(NamedTuple):
     centres: tuple[Vec3, ...]  # in odom, m
     planted: tuple[bool, ...]
     footprints: tuple[tuple[float, float], ...]  # in odom, m: where each foot stands, or will be set down
+    stood: tuple[Vec3, ...]  # in odom, m: where each foot stands, or stood last
+    late: bool  # some foot's swing goes on past its turn: the needle has to wait
+    no_ground: bool  # a foot found none, and went back
 
 
-class _Foot:
-    """One foot's place and, in the air, its way."""
-
-    def __init__(self, leg: Leg) -> None:
-        self.leg = leg
-        self.place = self.target = Vec3(0.0, 0.0, 0.0)  # of its centre; where it stands, or is being carried to
-        self.swing: Swing | None = None  # under way
-        self.sector: Sector | None = None  # of that swing
-        self.share = 0.0  # turns that it takes
-        self.spent: Sector | None = None  # the sector already used in this turn of the needle
-
-    def plant(self, place: Vec3) -> None:
-        self.place = self.target = place
-        self.swing = self.sector = None
-
-    def offset(self, course: Pose) -> tuple[float, float]:
-        """Return where the foot is from its rest position, in the body's axes, m."""
-        x, y = placed(course, self.leg.rest_foot)
-        dx, dy = self.place.x - x, self.place.y - y
-        c, s = math.cos(course.yaw), math.sin(course.yaw)
-        return c * dx + s * dy, c * dy - s * dx
-
-    def displacement(self, course: Pose) -> float:
-        """Return how far the foot is from its rest position, m."""
-        return math.hypot(*self.offset(course))
-
-    def lift_off(self, sector: Sector, share: float, path: SwingPath | None) -> Swing:
-        self.sector = sector
-        self.share = share
-        self.swing = Swing(path or self.leg.swing_path, self.leg.lift, self.place)
-        return self.swing
+FLAT = GroundPlane()
 
 
 class Stepping:
@@ -68,7 +63,14 @@ class Stepping:
     def __init__(self, model: RobotModel, course: Pose) -> None:
         self._ground = model.foot_radius
         self._min_swing = model.motion.min_swing
-        self._feet = [_Foot(leg) for leg in model.legs]
+        self._contact = model.contact
+        self._weight = model.mass * GRAVITY
+        self._caution = 0.0  # m
+        self._random = Random(0)
+        self._no_ground = False
+        self._senses: Sequence[Sense | None] = (None,) * len(model.legs)
+        self._plane = GroundPlane()
+        self._feet = [Foot(leg) for leg in model.legs]
         for foot in self._feet:
             foot.plant(Vec3(*placed(course, foot.leg.rest_foot), self._ground))
 
@@ -133,20 +135,34 @@ class Stepping:
 
     def settled(self, course: Pose) -> bool:
         """Tell whether all feet stand at rest below the body."""
-        return all(foot.sector is None and foot.displacement(course) <= _AT_REST for foot in self._feet)
+        return all(foot.sector is None and self._at_rest(foot, course) for foot in self._feet)
+
+    @staticmethod
+    def _at_rest(foot: Foot, course: Pose) -> bool:
+        return foot.displacement(course) <= (_NEAR_REST if foot.found else _AT_REST)
 
     def step(
-        self, clock: GaitClock, course: Pose, twist: Twist, dt: float, *, hold: bool = False, up: Vec3 = UP
+        self, clock: GaitClock, course: Pose, twist: Twist, dt: float, *, hold: bool = False, up: Vec3 = UP,
+        senses: Sequence[Sense | None] | None = None, plane: GroundPlane = FLAT, loads: Sequence[float] = (),
     ) -> Footfalls:
         """Advance all feet by `dt` s, the body being at `course` and moving with `twist`; on `hold` none lifts off.
 
-        Swings are in the plane of their direction and `up`, the body's up axis in odom.
+        Swings are in the plane of their direction and `up`, the body's up axis in odom. They end on the `plane`, or
+        where `senses` tell of ground. A standing foot should bear its part of `loads`, N.
         """
+        self._no_ground = False
+        self._plane = plane
+        if senses is not None:
+            self._senses = senses
+        loads = loads or (0.0,) * len(self._feet)
         for index, foot in enumerate(self._feet):
-            if foot.swing is not None and foot.sector is not None:
-                self._swing(foot, foot.swing, foot.sector, clock.period, course, twist, dt, up)
+            if foot.sector is not None:
+                self._move(index, foot, foot.sector, clock.period, course, twist, dt, up)
                 if foot.sector is None:
                     foot.spent = clock.gait.sector_at(index, clock.phase)
+            else:
+                foot.settle(dt)
+                self._keep_ground(foot, self._senses[index], clock.gait.feet[index][0], loads[index], dt)
         # Landings come first: a foot that waited for one lifts off in the same tick.
         in_air = {index for index, foot in enumerate(self._feet) if foot.sector is not None}
         for index, foot in enumerate(self._feet):
@@ -155,12 +171,13 @@ class Stepping:
             if foot.spent is not clock.gait.sector_at(index, clock.phase):
                 foot.spent = None
             sector = self._due(foot, index, clock.gait, clock.phase)
-            idle = twist == STILL and foot.displacement(course) <= _AT_REST
+            idle = twist == STILL and self._at_rest(foot, course)
             if sector is None or idle or hold or not clock.gait.lifts_together(in_air | {index}):
                 continue
             in_air.add(index)
-            swing = foot.lift_off(sector, (1.0 - sector.progress(clock.phase)) * sector.length, clock.gait.swing_path)
-            self._swing(foot, swing, sector, clock.period, course, twist, dt, up)
+            share = (1.0 - sector.progress(clock.phase)) * sector.length
+            foot.lift_off(sector, share, clock.gait.swing_path, foot.leg.lift + self._caution)
+            self._move(index, foot, sector, clock.period, course, twist, dt, up)
         return self.footfalls()
 
     def footfalls(self) -> Footfalls:
@@ -169,27 +186,118 @@ class Stepping:
             tuple(foot.place for foot in self._feet),
             tuple(foot.sector is None for foot in self._feet),
             tuple((foot.target.x, foot.target.y) for foot in self._feet),
+            tuple(foot.stood for foot in self._feet),
+            any(foot.overdue for foot in self._feet),
+            self._no_ground,
         )
 
-    def _due(self, foot: _Foot, index: int, gait: Gait, phase: float) -> Sector | None:
+    def _due(self, foot: Foot, index: int, gait: Gait, phase: float) -> Sector | None:
         """Return the sector in which a standing foot may lift off at a phase, if it is in one not yet used."""
         sector = gait.sector_at(index, phase)
         if sector is None or sector is foot.spent or sector.progress(phase) > _LATEST_LIFTOFF:
             return None
         return sector
 
-    def _swing(
-        self, foot: _Foot, swing: Swing, sector: Sector, period: float, course: Pose, twist: Twist, dt: float, up: Vec3
+    def _move(
+        self, index: int, foot: Foot, sector: Sector, period: float, course: Pose, twist: Twist, dt: float, up: Vec3
     ) -> None:
-        seconds = max(foot.share * period, self._min_swing)
+        """Carry a foot on by a tick."""
+        sense = self._senses[index]
+        contact = self._contact if sense is not None else None
+        if foot.search is not None:
+            self._go_on_searching(foot, foot.search, sense, dt)
+            return
+        swing = foot.swing
+        assert swing is not None
+        seconds = max(foot.share * period, foot.slowest(self._min_swing))
         if swing.progress <= _LATEST_RETARGET:
             remaining = (1.0 - swing.progress) * seconds
             x, y = footprint(foot.leg, course, twist, remaining - dt + 0.5 * sector.stance * period)
-            swing.retarget(Vec3(x, y, self._ground))
-            foot.target = swing.target
+            foot.target = Vec3(x, y, self._ground + self._plane.at(course, x, y))
+            swing.retarget(foot.target if contact is None else foot.target._replace(z=foot.target.z - _PRESS))
         foot.place = swing.step(dt, seconds, up)
-        if swing.progress >= 1.0:
+        if contact is not None and sense is not None:
+            self._feel(foot, swing, sector, sense, contact, dt)
+        elif swing.progress >= 1.0:
             foot.plant(foot.target)
+
+    def _feel(
+        self, foot: Foot, swing: Swing, sector: Sector, sense: Sense, contact: ContactSettings, dt: float
+    ) -> None:
+        """React to what a swinging foot feels."""
+        if swing.progress >= 1.0:
+            if sense.touching or contact.reach_down == 0.0:
+                foot.anchor(foot.target)
+                self._caution *= _CALMING
+            else:
+                foot.overdue = True
+                foot.search = Search(contact, foot.path, foot.leg.lift, foot.stood, foot.target, self._random)
+            return
+        if not foot.free:
+            foot.free = not sense.touching
+            return
+        above = sense.place.z - foot.target.z
+        struck = (swing.progress <= _BUMP_UNTIL or above > _AS_EXPECTED) and self._struck(foot, sense)
+        foot.struck_for = foot.struck_for + dt if struck else 0.0
+        if contact.step_over and foot.struck_for > _STRUCK_FOR:
+            self._step_over(foot, sector, sense, contact)
+        elif (
+            contact.early_touchdown and swing.progress >= _COMING_DOWN and sense.touching
+            and above > _AS_EXPECTED
+        ):
+            self._be_surprised(above)
+            foot.anchor(sense.place)
+
+    def _keep_ground(self, foot: Foot, sense: Sense | None, sector: Sector, load: float, dt: float) -> None:
+        """Have a standing foot feel for the ground again that it has lost."""
+        contact = self._contact
+        if contact is None or sense is None or not contact.slip or sense.touching or load < _LOST * self._weight:
+            foot.lost_for = 0.0
+            return
+        foot.lost_for += dt
+        if foot.lost_for >= _LOST_FOR:
+            foot.sector, foot.overdue = sector, True
+            foot.search = Search(contact, foot.path, foot.leg.lift, foot.stood, foot.place, self._random)
+
+    def _step_over(self, foot: Foot, sector: Sector, sense: Sense, contact: ContactSettings) -> None:
+        """Draw a foot back from what it struck and carry it on higher; at last stand in front of it."""
+        foot.bumps += 1
+        foot.overdue = True
+        self._be_surprised(_MOST_CAUTIOUS)
+        if foot.bumps > _BUMPS:
+            foot.search = Search(contact, foot.path, foot.leg.lift, foot.stood, sense.place, self._random)
+            return
+        dx, dy = foot.target.x - foot.stood.x, foot.target.y - foot.stood.y
+        back = _BACK / (math.hypot(dx, dy) or 1.0)
+        foot.share = sector.length
+        x, y, z = sense.place
+        foot.rise(Vec3(x - back * dx, y - back * dy, z), foot.leg.lift + foot.bumps * _HIGHER)
+
+    def _struck(self, foot: Foot, sense: Sense) -> bool:
+        """Tell whether something holds a foot back on its way."""
+        dx, dy = foot.target.x - foot.stood.x, foot.target.y - foot.stood.y
+        way = math.hypot(dx, dy)
+        back = -(sense.push.x * dx + sense.push.y * dy) / way if way > _BACK else 0.0
+        return back > max(_BUMP * self._weight, _STEEP * sense.push.z)
+
+    def _go_on_searching(self, foot: Foot, search: Search, sense: Sense | None, dt: float) -> None:
+        if sense is not None and sense.touching:
+            self._be_surprised(abs(foot.target.z - sense.place.z) - _AS_FELT)
+            # A foot that feels straight down is where it is told to be; one that swings lags behind.
+            if foot.swing is None:  # it stood, and stands again a little lower
+                foot.anchor(search.place)
+                return
+            (x, y, _), (_, _, z) = search.place, foot.target
+            off = sense.place.z - z
+            foot.anchor(Vec3(x, y, z if abs(off) <= _AS_FELT else z + off))
+            return
+        foot.place = search.step(dt)
+        if search.done:
+            self._no_ground = True
+            foot.plant(foot.stood)
+
+    def _be_surprised(self, by: float) -> None:
+        self._caution = max(self._caution, min(by, _MOST_CAUTIOUS))
 
 
 def footprint(leg: Leg, course: Pose, twist: Twist, seconds: float) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 Frames are REP-103 and REP-105: `odom` stands still, z up; `base` is the body's, x forward, y left, z up.
 """
 
+import math
 from typing import NamedTuple
 
 
@@ -106,12 +107,20 @@ class ServoCondition(NamedTuple):
 
 
 class DriveResponse(NamedTuple):
-    """How a joint's position servo follows a goal near rest: goal = q + damping q' + inertia q'' + friction sgn q'."""
+    """How a joint's position servo follows a goal near rest.
+
+    goal = q + damping q' + inertia q'' + friction sgn q' + torque / stiffness, with the torque (N m) that the joint
+    is to exert on what it moves. It tells of that by its effort:
+    torque = effort_torque effort - effort_damping q' - stiffness (inertia q'' + friction sgn q').
+    """
 
     damping: float  # s
     inertia: float  # s^2
     friction: float  # rad that the goal must be ahead for the joint to move at all
     max_speed: float  # rad/s without load
+    stiffness: float = math.inf  # N m per rad that the goal is ahead
+    effort_torque: float = 0.0  # N m at effort 1; 0: its effort tells nothing
+    effort_damping: float = 0.0  # N m s
 
 
 class Strength(NamedTuple):

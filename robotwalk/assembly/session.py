@@ -15,6 +15,7 @@ from hal.servo_bus import SerialServoBus
 from hal.servo_line import ServoLine
 from robotwalk.assembly.blueprint import Blueprint, load
 from robotwalk.clock import WallClock
+from robotwalk.contact import FootSense
 from robotwalk.controller import Controller
 from robotwalk.errors import UsageError
 from robotwalk.estimator import Odometry
@@ -30,6 +31,7 @@ from robotwalk.tape import Tape, TapedClock, TapedPort
 RATE_HZ = 100
 _STALE_AFTER = 0.5  # s without an answer from a joint before the robot sits down
 _GOAL_LEAD = 3.0  # a goal may run this much faster than the servo, so that feed-forward is not cut
+_FEELING_HZ = 80  # below, a joint's acceleration between two samples is not known well enough to feel the ground
 _FULL_SPEED_WITHIN = 0.005  # s
 
 
@@ -181,4 +183,5 @@ def loop_of(
         supervisor=Supervisor(_STALE_AFTER),
         record=record,
         tape=tape,
+        sense=FootSense(model, blueprint.drives) if model.contact is not None and rate_hz >= _FEELING_HZ else None,
     )

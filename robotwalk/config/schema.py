@@ -163,6 +163,28 @@ class LevellingConfig(Section):
     limit_deg: Annotated[float, Field(gt=0, le=45)] = 12.0  # of the correction, in roll and in pitch
 
 
+class OrientationConfig(Section):
+    """How the body follows the ground by its feet (ARTH section 5.6)."""
+
+    mode: Literal["cheap", "full", "as_needed"] = "as_needed"  # by elevations, the vectors, or these on large changes
+    c1_per_s2: Positive = 36.0  # rate of an angle's error
+    c2_per_s: Positive = 10.0  # deceleration
+    frontal_bias: Annotated[float, Field(ge=0)] = 0.0  # by how much more the front pair counts
+    share: Annotated[float, Field(ge=0, le=1)] = 1.0  # of the feet's slope that the body takes on
+    in_swing: bool = False  # follow feet in the air, too, not only as they touch down
+
+
+class ContactConfig(Section):
+    """What the feet do about the ground that they feel (ARTH sections 5.4-5.7 and 6)."""
+
+    early_touchdown: bool = True  # a foot that is struck on its way down stands there
+    step_over: bool = True  # a foot that is struck on its way steps higher
+    reach_down_mm: Annotated[float, Field(ge=0)] = 60.0  # how far below the expected ground a foot feels for it
+    search: bool = True  # and then around
+    slip: bool = True  # a foot that loses its load steps anew
+    stance: bool = True  # a foot out of its place at idle, or over-stretched, steps back
+
+
 class LocomotionConfig(Section):
     """How the robot may move."""
 
@@ -175,6 +197,8 @@ class LocomotionConfig(Section):
     swing_path: SwingPathConfig
     solver: Solver | None = None  # of inverse kinematics; None: a closed form where there is one, else ccd
     levelling: LevellingConfig | None = None  # None: off; else the robot needs an IMU
+    contact: ContactConfig | None = None  # None: it walks as if the ground were flat
+    orientation: OrientationConfig | None = None  # None: the body stays level and at one height
     feet: dict[str, FootfallConfig]
     reaction: ReactionConfig = ReactionConfig()
 

@@ -23,7 +23,7 @@ def largest_error(feedforward: bool) -> float:
     q = speed = worst = 0.0
     for tick in range(100):
         wanted = least_jerk(tick * DT)
-        goal = forward.step([wanted], DT)[0] if feedforward else wanted
+        goal = forward.step([wanted], [0.0], DT)[0] if feedforward else wanted
         for fine in range(FINE):
             speed += (goal - q - DRIVE.damping * speed) / DRIVE.inertia * DT / FINE
             q += speed * DT / FINE
@@ -40,25 +40,31 @@ def test_a_servo_follows_much_closer_with_it() -> None:
 def test_the_goal_leads_by_damping_and_inertia() -> None:
     forward = Feedforward([DRIVE, DriveResponse(0.0, 0.0, 0.0, 6.0)])
     forward.reset([0.1, 0.2])
-    assert forward.step([0.1, 0.2], DT) == pytest.approx([0.1, 0.2])
+    assert forward.step([0.1, 0.2], [0.0, 0.0], DT) == pytest.approx([0.1, 0.2])
     # From rest to 1 rad/s in one tick: 0.05 s x 1 rad/s and 0.0008 s^2 x 100 rad/s^2 ahead.
-    assert forward.step([0.11, 0.21], DT) == pytest.approx([0.11 + 0.05 + 0.08, 0.21])
-    assert forward.step([0.12, 0.22], DT) == pytest.approx([0.12 + 0.05, 0.22])
-    assert forward.step([0.12, 0.22], DT) == pytest.approx([0.12 - 0.08, 0.22])
-    assert forward.step([0.12, 0.22], DT) == pytest.approx([0.12, 0.22])
+    assert forward.step([0.11, 0.21], [0.0, 0.0], DT) == pytest.approx([0.11 + 0.05 + 0.08, 0.21])
+    assert forward.step([0.12, 0.22], [0.0, 0.0], DT) == pytest.approx([0.12 + 0.05, 0.22])
+    assert forward.step([0.12, 0.22], [0.0, 0.0], DT) == pytest.approx([0.12 - 0.08, 0.22])
+    assert forward.step([0.12, 0.22], [0.0, 0.0], DT) == pytest.approx([0.12, 0.22])
 
 
 def test_the_goal_leads_by_friction_in_the_direction_of_motion_and_not_at_rest() -> None:
     forward = Feedforward([DriveResponse(0.0, 0.0, 0.02, 6.0)])
     forward.reset([0.0])
-    assert [forward.step([q], DT)[0] for q in (0.01, 0.0, 0.0)] == pytest.approx([0.01 + 0.02, -0.02, 0.0])
+    assert [forward.step([q], [0.0], DT)[0] for q in (0.01, 0.0, 0.0)] == pytest.approx([0.01 + 0.02, -0.02, 0.0])
     # Slower than 0.1 rad/s, a share of it: there is no step as a joint starts or turns back.
-    assert forward.step([0.0005], DT)[0] == pytest.approx(0.0005 + 0.5 * 0.02)
+    assert forward.step([0.0005], [0.0], DT)[0] == pytest.approx(0.0005 + 0.5 * 0.02)
 
 
 def test_reset_forgets_the_motion_before() -> None:
     forward = Feedforward([DRIVE])
     forward.reset([0.0])
-    forward.step([math.pi], DT)
+    forward.step([math.pi], [0.0], DT)
     forward.reset([1.0])
-    assert forward.step([1.0], DT) == [1.0]
+    assert forward.step([1.0], [0.0], DT) == [1.0]
+
+
+def test_the_goal_leads_by_what_the_joint_bears() -> None:
+    forward = Feedforward([DRIVE._replace(stiffness=5.0), DRIVE])  # the second is as stiff as can be
+    forward.reset([0.1, 0.1])
+    assert forward.step([0.1, 0.1], [0.3, 0.3], DT) == pytest.approx([0.16, 0.1])

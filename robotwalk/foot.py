@@ -1,0 +1,109 @@
+"""One foot: where it stands and, in the air, its way."""
+
+import math
+
+from robotwalk.body import placed
+from robotwalk.gait import Sector
+from robotwalk.model import Leg
+from robotwalk.search import Search
+from robotwalk.swing import Swing
+from robotwalk.swing_paths import SwingPath
+from robotwalk.types import Pose, Vec3
+
+_SETTLING = 0.05  # s in which a foot that was told to be elsewhere comes to rest where it stands
+
+
+class Foot:
+    """One foot's place in odom.
+
+    Attributes:
+        leg: on which it is.
+        place: of its centre, m, as it is told to be.
+        target: where it stands or is being carried to.
+        stood: where it stood before the swing under way, or stands.
+        swing, sector, share, path, lift: the swing under way, whose it is, the turns of the needle that it takes, m.
+        search: under way after a swing that found no ground.
+        spent: the sector already used in this turn of the needle.
+        free: whether it has left the ground in this swing.
+        struck_for: for how long something has held it back, s.
+        bumps: how often it was struck on its way in it.
+        overdue: whether its swing takes longer than its sector.
+        found: whether it stands where it found ground, not where it was sent.
+        lost_for: for how long it has stood without the load that it should bear, s.
+    """
+
+    def __init__(self, leg: Leg) -> None:
+        self.leg = leg
+        self.place = self.target = self.stood = Vec3(0.0, 0.0, 0.0)
+        self.swing: Swing | None = None
+        self.sector: Sector | None = None
+        self.share = 0.0
+        self.lift = leg.lift
+        self.path = leg.swing_path
+        self.search: Search | None = None
+        self.spent: Sector | None = None
+        self.free = False
+        self.struck_for = 0.0
+        self.bumps = 0
+        self.overdue = False
+        self.lost_for = 0.0
+        self.found = False
+
+    def plant(self, place: Vec3) -> None:
+        """Stand at `place`."""
+        self.place = self.target = self.stood = place
+        self.found = False
+        self._land()
+
+    def anchor(self, place: Vec3) -> None:
+        """Stand at `place`, where it was felt to be; it comes to rest there."""
+        self.found = place is not self.target
+        self.target = self.stood = place
+        self._land()
+
+    def _land(self) -> None:
+        self.swing = self.sector = self.search = None
+        self.overdue = False
+        self.lost_for = 0.0
+
+    def settle(self, dt: float) -> None:
+        """Come to rest where it stands."""
+        if self.place is not self.target:
+            share = min(dt / _SETTLING, 1.0)
+            (x, y, z), (tx, ty, tz) = self.place, self.target
+            if math.dist(self.place, self.target) < 1e-5:
+                self.place = self.target
+            else:
+                self.place = Vec3(x + share * (tx - x), y + share * (ty - y), z + share * (tz - z))
+
+    def offset(self, course: Pose) -> tuple[float, float]:
+        """Return where the foot is from its rest position, in the body's axes, m."""
+        x, y = placed(course, self.leg.rest_foot)
+        dx, dy = self.place.x - x, self.place.y - y
+        c, s = math.cos(course.yaw), math.sin(course.yaw)
+        return c * dx + s * dy, c * dy - s * dx
+
+    def displacement(self, course: Pose) -> float:
+        """Return how far the foot is from its rest position, m."""
+        return math.hypot(*self.offset(course))
+
+    def lift_off(self, sector: Sector, share: float, path: SwingPath | None, lift: float) -> None:
+        """Begin a swing, along another path than the leg's own if there is one."""
+        self.path = path or self.leg.swing_path
+        self.sector = sector
+        self.share = share
+        self.stood = self.place
+        self.bumps = 0
+        self.rise(self.place, lift)
+
+    def rise(self, start: Vec3, lift: float) -> None:
+        """Begin the swing, or begin it anew from somewhere on its way."""
+        self.place = start
+        self.lift = lift
+        self.free = False
+        self.struck_for = 0.0
+        self.swing = Swing(self.path, lift, start)
+
+    def slowest(self, shortest: float) -> float:
+        """Return the least time for the swing, s, if an ordinary one takes `shortest`: servos have a speed."""
+        return shortest * max(self.lift / self.leg.lift, 1.0)

@@ -1,0 +1,136 @@
+"""How the body lies over its feet: pitch and roll from where they stand, and the height of the ground below it.
+
+Pitch is the slope from each foot to its neighbour behind, roll that from each left foot to the right one beside it
+(ARTH section 5.6: normalised average vectors, each leaving the other axis out). Angular acceleration about each axis
+is c1 x error - c2 x velocity; the height follows in the same way.
+"""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+from robotwalk.model import Leg, OrientationSettings, RobotModel
+from robotwalk.types import Pose, Vec3
+
+_BESIDE = 1e-3  # m; a leg nearer than this to the body's middle line belongs to both sides
+_LARGE_CHANGE = math.radians(3.0)  # of the cheap mode's pitch or roll, that calls for the full one
+
+
+class GroundPlane(NamedTuple):
+    """The ground as the feet know it, seen from a body's course."""
+
+    height: float = 0.0  # m, below the body's middle, in odom
+    ahead: float = 0.0  # slope, m up per m ahead
+    left: float = 0.0  # slope, m up per m to the left
+
+    def seen_at(self, course: Pose, x: float, y: float) -> "GroundPlane":
+        """Return the same plane for a course that is at (x, y) of odom instead."""
+        return self._replace(height=self.at(course, x, y))
+
+    def at(self, course: Pose, x: float, y: float) -> float:
+        """Return its height at a point of odom, m."""
+        dx, dy = x - course.x, y - course.y
+        c, s = math.cos(course.yaw), math.sin(course.yaw)
+        return self.height + self.ahead * (c * dx + s * dy) + self.left * (c * dy - s * dx)
+
+
+class _Following:
+    """A value that follows another with acceleration c1 x error - c2 x velocity."""
+
+    def __init__(self) -> None:
+        self.value = self.rate = 0.0
+
+    def step(self, target: float, c1: float, c2: float, dt: float) -> None:
+        # Implicit in the velocity: stable at any tick.
+        self.rate = (self.rate + c1 * (target - self.value) * dt) / (1.0 + c2 * dt + c1 * dt * dt)
+        self.value += self.rate * dt
+
+
+class Orientation:
+    """Follows the plane of one robot's feet."""
+
+    def __init__(self, model: RobotModel, settings: OrientationSettings) -> None:
+        self._settings = settings
+        self._legs = model.legs
+        left = _from_front(model.legs, 1.0)
+        right = _from_front(model.legs, -1.0)
+        self._front = {side[0] for side in (left, right) if side}
+        self._behind = [*pairwise(left), *pairwise(right)]
+        self._beside = [(a, b) for a, b in zip(left, right, strict=False) if a != b]
+        self._pitch, self._roll, self._height = _Following(), _Following(), _Following()
+
+    @property
+    def plane(self) -> GroundPlane:
+        """The plane as the body follows it."""
+        return GroundPlane(self._height.value, math.tan(-self._pitch.value), math.tan(self._roll.value))
+
+    def step(self, feet: Sequence[Vec3], course: Pose, dt: float) -> Pose:
+        """Advance by `dt` s; return what to add to a level body's pose: height, roll and pitch.
+
+        Args:
+            feet: where they stand in odom, on the ground, or stood last; m.
+            course: of the body.
+            dt: s.
+        """
+        settings = self._settings
+        c, s = math.cos(course.yaw), math.sin(course.yaw)
+        seen: list[tuple[float, float, float]] = []
+        for foot in feet:
+            dx, dy = foot.x - course.x, foot.y - course.y
+            seen.append((c * dx + s * dy, c * dy - s * dx, foot.z))
+        ahead, left = self._slopes(seen)
+        count = len(seen)
+        x, y, z = (sum(foot[axis] for foot in seen) / count for axis in range(3))
+        height = z - ahead * x - left * y
+        c1, c2 = settings.c1, settings.c2
+        self._pitch.step(-math.atan(ahead), c1, c2, dt)
+        self._roll.step(math.atan(left), c1, c2, dt)
+        self._height.step(height, c1, c2, dt)
+        share = settings.share
+        return Pose(0.0, 0.0, self._height.value, share * self._roll.value, share * self._pitch.value, 0.0)
+
+    def _slopes(self, feet: Sequence[tuple[float, float, float]]) -> tuple[float, float]:
+        """Return the slopes of the feet's plane, m up per m ahead and to the left."""
+        mode = self._settings.mode
+        if mode != "full":
+            cheap = self._slope(feet, self._behind, 0), self._slope(feet, self._beside, 1)
+            change = max(abs(math.atan(cheap[0]) + self._pitch.value), abs(math.atan(cheap[1]) - self._roll.value))
+            if mode == "cheap" or change < _LARGE_CHANGE:
+                return cheap
+        return self._full_slope(feet, self._behind, 0), self._full_slope(feet, self._beside, 1)
+
+    def _slope(
+        self, feet: Sequence[tuple[float, float, float]], pairs: Sequence[tuple[int, int]], axis: int
+    ) -> float:
+        """Return the difference in elevation over the distance, both summed over the pairs."""
+        rise = run = 0.0
+        for a, b in pairs:
+            weight = self._weight(a, axis)
+            rise += weight * (feet[a][2] - feet[b][2])
+            run += weight * (feet[a][axis] - feet[b][axis])
+        return rise / run if run > 0.0 else 0.0
+
+    def _full_slope(
+        self, feet: Sequence[tuple[float, float, float]], pairs: Sequence[tuple[int, int]], axis: int
+    ) -> float:
+        """Return the slope of the mean of the normalised vectors between the pairs."""
+        rise = run = 0.0
+        for a, b in pairs:
+            up, along = feet[a][2] - feet[b][2], feet[a][axis] - feet[b][axis]
+            length = math.hypot(up, along)
+            if along > 0.0:
+                weight = self._weight(a, axis) / length
+                rise, run = rise + weight * up, run + weight * along
+        return rise / run if run > 0.0 else 0.0
+
+    def _weight(self, front: int, axis: int) -> float:
+        """Return how much a pair counts whose first foot is `front`: the frontal bias is for pitch alone."""
+        return 1.0 + self._settings.frontal_bias if axis == 0 and front in self._front else 1.0
+
+
+def _from_front(legs: Sequence[Leg], side: float) -> list[int]:
+    """Return a side's legs by their numbers, from the front."""
+    return sorted(
+        (index for index, leg in enumerate(legs) if side * leg.rest_foot.y > -_BESIDE),
+        key=lambda index: -legs[index].rest_foot.x)

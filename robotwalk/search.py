@@ -1,0 +1,107 @@
+"""What a foot does that found no ground where it was to touch down (ARTH sections 5.4 and 6.2).
+
+It feels downwards; then around, by seeded probes in circles that grow (Duerr 2001: stereotypic searching movements);
+then nearer to where it stood, downwards again; at last it goes back there, where there was ground.
+"""
+
+import math
+from enum import Enum
+from random import Random
+
+from robotwalk.model import ContactSettings
+from robotwalk.swing import Swing
+from robotwalk.swing_paths import SwingPath
+from robotwalk.types import Vec3
+
+_FASTEST = 0.10  # m/s downwards; how deep a foot presses into what it finds in the time that it takes to notice
+_GENTLE = 1.5  # m/s^2
+_CIRCLES = (0.015, 0.030)  # m
+_PROBES = 3  # in each circle
+_PROBING_LIFT = 0.015  # m
+_PROBING = 0.3  # s for a probe
+_STEPPING = 0.4  # s for a step nearer, or home
+_NEARER = 0.5  # of the step
+
+
+class Phase(Enum):
+    """What a searching foot does."""
+
+    DOWN = "down"
+    AROUND = "around"
+    NEARER = "nearer"
+    HOME = "home"
+
+
+class Search:
+    """One foot in search of ground.
+
+    Attributes:
+        place: of its centre in odom, m.
+        phase: what it does.
+        done: whether it is back where it stood.
+    """
+
+    def __init__(self, settings: ContactSettings, path: SwingPath, lift: float, stood: Vec3, target: Vec3,
+                 random: Random) -> None:
+        """Begin at `target`, where there should have been ground; the foot `stood` somewhere before."""
+        self.place = target
+        self.phase = Phase.DOWN
+        self.done = False
+        self._settings = settings
+        self._path, self._lift = path, lift
+        self._stood, self._target = stood, target
+        self._random = random
+        self._speed = 0.0
+        self._expected = target  # the place above the ground from where it feels down
+        self._swing: Swing | None = None
+        self._probes: list[float] = []  # radii still to come
+
+    def step(self, dt: float) -> Vec3:
+        """Go on by `dt` s and return where the foot is; it ends when the foot feels ground, or is `done`."""
+        if self._swing is None:
+            self._speed = min(self._speed + _GENTLE * dt, _FASTEST)
+            self.place = self.place._replace(z=self.place.z - self._speed * dt)
+            if self._expected.z - self.place.z >= self._settings.reach_down:
+                self._give_up_below()
+            return self.place
+        self.place = self._swing.step(dt, _PROBING if self.phase is Phase.AROUND else _STEPPING)
+        if self._swing.progress >= 1.0:
+            self._swing = None
+            if self.phase is Phase.AROUND:
+                self._next_probe()
+            elif self.phase is Phase.NEARER:
+                self._speed = 0.0
+            else:
+                self.done = True
+        return self.place
+
+    def _give_up_below(self) -> None:
+        """Go on elsewhere: around, then nearer, then home."""
+        if self.phase is Phase.DOWN and self._settings.search:
+            self.phase = Phase.AROUND
+            self._probes = [radius for radius in _CIRCLES for _ in range(_PROBES)]
+            self._next_probe()
+        elif self.phase is Phase.NEARER:
+            self.phase = Phase.HOME
+            self._go(self._stood)
+        else:
+            self._step_nearer()
+
+    def _next_probe(self) -> None:
+        if not self._probes:
+            self._step_nearer()
+            return
+        radius, angle = self._probes.pop(0), self._random.uniform(-math.pi, math.pi)
+        x, y, _ = self._expected
+        self._swing = Swing(self._path, _PROBING_LIFT, self.place)
+        self._swing.retarget(Vec3(x + radius * math.cos(angle), y + radius * math.sin(angle), self.place.z))
+
+    def _step_nearer(self) -> None:
+        self.phase = Phase.NEARER
+        (ax, ay, az), (bx, by, bz) = self._stood, self._target
+        self._expected = Vec3(ax + _NEARER * (bx - ax), ay + _NEARER * (by - ay), az + _NEARER * (bz - az))
+        self._go(self._expected)
+
+    def _go(self, target: Vec3) -> None:
+        self._swing = Swing(self._path, self._lift + max(target.z - self.place.z, 0.0), self.place)
+        self._swing.retarget(target)
