@@ -1,11 +1,13 @@
-"""One robot, from its chair and back: `stand`, `walk`, `sit`."""
+"""One robot, from its chair and back: `stand`, `walk`, `follow`, `sit`."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType, TracebackType
 from typing import NamedTuple, Self
 
+from robotwalk.behaviours import Behaviour
 from robotwalk.errors import RobotwalkError, SafetyStop, UsageError
+from robotwalk.estimator import Estimate
 from robotwalk.imu_watch import ImuWatch
 from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Loop, Tick
@@ -130,11 +132,15 @@ class Robot:
         Raises:
             UsageError: it was never armed, so nothing is known.
         """
-        if self._last is None:
-            raise UsageError("nothing is known of the robot's joints before stand()")
-        last = self._last
+        last = self._last_tick
         pose, imu = last.estimate.pose, last.estimate.imu
         return RobotState(self.loop.supervisor.state, last.joints, pose, last.wanted.twist, imu)
+
+    @property
+    def _last_tick(self) -> Tick:
+        if self._last is None:
+            raise UsageError("nothing is known of the robot's joints before stand()")
+        return self._last
 
     @property
     def torque_doubt(self) -> str | None:
@@ -179,11 +185,46 @@ class Robot:
             UsageError: a value makes no sense, or the robot does not stand.
             SafetyStop: the robot had to sit down.
         """
+        self._walk(Command(Twist(vx, vy, wz), heading, height, posture, gait), seconds, until=lambda tick: False)
+
+    def follow(
+        self, behaviour: Behaviour, *, seconds: float, gait: str | None = None, height: float | None = None
+    ) -> bool:
+        """Let a behaviour steer until it is done or `seconds` have passed, then stop and stand.
+
+        Args:
+            behaviour: one of `robotwalk.behaviours`, or of yours.
+            seconds: how long at most; slowing down comes on top.
+            gait, height: where the behaviour leaves them open, as for `walk`.
+
+        Returns:
+            Whether it was done.
+
+        Raises:
+            UsageError: a value makes no sense, one that the behaviour commands too, or the robot does not stand.
+            SafetyStop: the robot had to sit down.
+        """
+
+        def command(estimate: Estimate) -> Command:
+            wanted = behaviour.step(estimate, 1.0 / self.loop.rate_hz)
+            return wanted._replace(
+                gait=gait if wanted.gait is None else wanted.gait,
+                height=height if wanted.height is None else wanted.height)
+
+        def steer(tick: Tick) -> bool:
+            self.command(command(tick.estimate))
+            return behaviour.done
+
+        self._walk(command(self._last_tick.estimate), seconds, until=steer)
+        return behaviour.done
+
+    def _walk(self, command: Command, seconds: float, *, until: Callable[[Tick], bool]) -> None:
+        """Walk for some time or until something is so, then stop and stand."""
         check_duration(seconds)
-        self.command(Command(Twist(vx, vy, wz), heading, height, posture, gait))
+        self.command(command)
         if self.loop.supervisor.state is not State.WALK:
             self._request(Request.WALK)
-        self._run(seconds)
+        self._run(seconds, until=until)
         self.loop.command = self.loop.command._replace(twist=STILL, heading=None)
         self._request(Request.HALT)
         self._run(_LONGEST_SIT_DOWN, until=lambda tick: tick.wanted.standing, what="stop")

@@ -8,14 +8,17 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from robotwalk import assembly
+from robotwalk.behaviours import Facing, FollowPath
+from robotwalk.body import placed
 from robotwalk.cli.imu_report import ImuReport
+from robotwalk.config.route import Route
 from robotwalk.controller import twist_of
 from robotwalk.journey import Journey, Summary
 from robotwalk.loop import Tick
 from robotwalk.robot import check_command, check_duration
 from robotwalk.supervisor import State
 from robotwalk.timing import Histogram
-from robotwalk.types import BusStatistics, Command, Pose
+from robotwalk.types import BusStatistics, Command, Pose, Vec3
 from robotwalk.velocity import feasible
 
 _GRAVITY = 9.81  # m/s^2
@@ -34,6 +37,7 @@ class Plan(NamedTuple):
     height: float | None
     duration: float
     gait: str | None
+    route: Route | None = None  # to walk by, in place of direction and turn; until there or `duration` has passed
 
 
 def require_possible(plan: Plan, blueprint: assembly.Blueprint) -> None:
@@ -68,6 +72,7 @@ class Outing:
         self._twist, self._scale = feasible(wanted, self._robot.model.motion, self._gait)
         self._measuring = False
         self._truth = self._odometry = Journey(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), direction=0.0, nominal_height=0.0)
+        self._arrived = False
         self._energy = 0.0
         self._margin = math.inf  # m, the least so far; below all numbers once too few feet stood for any
         self._imu = ImuReport()
@@ -83,7 +88,7 @@ class Outing:
         Raises:
             SafetyStop, KeyboardInterrupt, SystemExit: it ended early; the robot sits, or is frozen.
         """
-        robot, plan = self._robot, self._plan
+        robot = self._robot
         self._progress = progress
         robot.observers.append(self._watch)
         if self._viewer is not None:
@@ -95,8 +100,7 @@ class Outing:
                 self._note_scaling()
                 self._begin()
                 try:
-                    robot.walk(
-                        *self._twist, seconds=plan.duration, gait=plan.gait, heading=plan.heading, height=plan.height)
+                    self._go()
                 finally:
                     self._end()
         finally:
@@ -104,6 +108,18 @@ class Outing:
             self._note_cuts()
             if self._viewer is not None:
                 self._viewer.close()
+
+    def _go(self) -> None:
+        robot, plan = self._robot, self._plan
+        if plan.route is None:
+            robot.walk(*self._twist, seconds=plan.duration, gait=plan.gait, heading=plan.heading, height=plan.height)
+            return
+        start = robot.state.odometry
+        facing: Facing = "ahead" if plan.route.ahead else start.yaw + (plan.heading or 0.0)
+        waypoints = [placed(start, Vec3(x, y, 0.0)) for x, y in plan.route.waypoints]
+        self._arrived = robot.follow(
+            FollowPath(waypoints, speed=plan.speed, facing=facing),
+            seconds=plan.duration, gait=plan.gait, height=plan.height)
 
     def ended_as(self) -> str:
         """Return what became of the robot, in words."""
@@ -119,7 +135,7 @@ class Outing:
 
     def report(self) -> dict[str, Any]:
         """Return the fields of `walk --json`."""
-        loop, model, plan = self._robot.loop, self._robot.model, self._plan
+        loop, model = self._robot.loop, self._robot.model
         truth, odometry = self._truth.summary(), self._odometry.summary()
         seconds = self._walking_ticks / loop.rate_hz
         simulated = self._world is not None
@@ -138,7 +154,8 @@ class Outing:
                 "yaw_deg": math.degrees(truth.displacement.yaw)},
             "heading_change_deg": math.degrees(truth.displacement.yaw),
             "speed_mps": truth.distance / seconds if seconds else 0.0,
-            "lateral_drift_m": self._drift(truth) if plan.turn == 0.0 and plan.heading is None else None,
+            "lateral_drift_m": self._drift(truth) if self._straight else None,
+            "goal": self._goal(truth.displacement),
             "max_tilt_deg": math.degrees(truth.max_tilt) if simulated or self._imu.heard else None,
             "min_height_m": truth.min_height,
             "fell": truth.fell,
@@ -162,10 +179,12 @@ class Outing:
 
     def _begin(self) -> None:
         self._measuring = True
-        nominal = self._plan.height or self._robot.model.heights.stand
-        self._truth = Journey(*self._place(), direction=self._plan.direction, nominal_height=nominal)
+        plan = self._plan
+        nominal = plan.height or self._robot.model.heights.stand
+        along = plan.route.points if plan.route is not None else ()
+        self._truth = Journey(*self._place(), direction=plan.direction, along=along, nominal_height=nominal)
         self._odometry = Journey(
-            self._robot.state.odometry, direction=self._plan.direction, nominal_height=nominal)
+            self._robot.state.odometry, direction=plan.direction, along=along, nominal_height=nominal)
         self._energy = -self._energy_so_far()
 
     def _end(self) -> None:
@@ -223,6 +242,22 @@ class Outing:
             what = ", ".join(f"{joint} {kind} {count}" for (joint, kind), count in cuts.most_common(4))
             more = "" if len(cuts) <= 4 else f" and {len(cuts) - 4} more"
             self._robot.note("limits", f"the limits cut {cuts.total()} goals: {what}{more}")
+
+    @property
+    def _straight(self) -> bool:
+        """Whether it was to go in a straight line."""
+        plan = self._plan
+        if plan.route is not None:
+            return len(plan.route.waypoints) == 1
+        return plan.turn == 0.0 and plan.heading is None
+
+    def _goal(self, displacement: Pose) -> dict[str, Any] | None:
+        """Return what came of the way to a goal, if there was one."""
+        if self._plan.route is None:
+            return None
+        x, y = self._plan.route.waypoints[-1]
+        return {
+            "x": x, "y": y, "reached": self._arrived, "miss_m": math.hypot(displacement.x - x, displacement.y - y)}
 
     def _drift(self, summary: Summary) -> float:
         course = self._plan.direction

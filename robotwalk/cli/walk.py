@@ -11,10 +11,14 @@ from robotwalk import assembly
 from robotwalk.cli.outing import Outing, Plan, require_possible
 from robotwalk.cli.output import abandon_stdout, complain, progress_line, say, write_json
 from robotwalk.cli.ports import by_bus
+from robotwalk.config.route import Route, read_route
 from robotwalk.errors import SafetyStop, UsageError
+from robotwalk.track import Track
 
 Flag = Parameter(negative="")
 _HANGING = 0.35  # of the torque, for the first motion on a stand
+_DURATION = 10.0  # s
+_LONGER = 2.0  # times what a way takes at the commanded speed, and _DURATION more, before it is given up
 
 
 def walk(
@@ -26,8 +30,10 @@ def walk(
     direction: float = 0.0,
     heading: float | None = None,
     turn: float | None = None,
+    goto: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    path: Path | None = None,
     height: float | None = None,
-    duration: float = 10.0,
+    duration: float | None = None,
     rate: int = assembly.RATE_HZ,
     seed: int = 0,
     terrain: str | None = None,
@@ -56,10 +62,16 @@ def walk(
         Where the body shall face, degrees to the left of its start. It turns there and holds it.
     turn
         A turning rate instead, degrees per second to the left.
+    goto
+        X,Y: walk straight to there, metres ahead and to the left of the start, and end. The heading is kept, or is
+        that of --heading. Where it is the robot knows from its legs alone.
+    path
+        Walk along the waypoints of this YAML file instead, and end at the last.
     height
         Of the body above the ground, metres.
     duration
-        Seconds of walking; standing up and sitting down come on top.
+        Seconds of walking; standing up and sitting down come on top. Default: 10; with --goto or --path, where it is
+        the most that the way may take, 10 more than twice what it takes at that speed.
     rate
         Ticks per second.
     seed
@@ -85,6 +97,11 @@ def walk(
     """
     if turn is not None and heading is not None:
         raise UsageError("--turn and --heading exclude each other: one is a rate, the other an angle to hold")
+    route = _route(goto, path)
+    if route is not None and (turn is not None or direction != 0.0):
+        raise UsageError("--goto and --path tell where to go: leave out --direction and --turn")
+    if route is not None and route.ahead and heading is not None:
+        raise UsageError(f"--heading and the `facing: ahead` of {path} exclude each other")
     _require_finite(speed=speed, direction=direction, heading=heading, turn=turn, height=height, duration=duration)
     ports = by_bus(port or [])
     on_bus = bool(ports) or real
@@ -102,7 +119,9 @@ def walk(
     plan = Plan(
         speed=abs(speed), direction=math.radians(direction + (180.0 if speed < 0.0 else 0.0)),
         heading=None if heading is None else math.radians(heading),
-        turn=math.radians(turn or 0.0), height=height, duration=duration, gait=gait)
+        turn=math.radians(turn or 0.0), height=height, duration=_DURATION if duration is None else duration, gait=gait)
+    if route is not None:
+        plan = _by_route(plan, route, speed, duration)
     require_possible(plan, blueprint)
     session: assembly.Session
     if on_bus:
@@ -116,6 +135,33 @@ def walk(
     if gif is not None:
         _draw(outing, gif)
     return code
+
+
+def _route(goto: str | None, path: Path | None) -> Route | None:
+    """Return where to go, if the command line tells."""
+    if goto is not None and path is not None:
+        raise UsageError("--goto and --path exclude each other")
+    if path is not None:
+        return read_route(path)
+    if goto is None:
+        return None
+    try:
+        x, y = (float(number) for number in goto.split(","))
+    except ValueError as error:
+        raise UsageError(f"--goto should be X,Y in metres, such as 1.5,-0.3, not {goto!r}") from error
+    if not (math.isfinite(x) and math.isfinite(y)) or x == y == 0.0:
+        raise UsageError(f"--goto should be finite and somewhere else than the start, not {goto!r}")
+    return Route(((x, y),))
+
+
+def _by_route(plan: Plan, route: Route, speed: float, duration: float | None) -> Plan:
+    """Return a plan that goes along a route, in the time that it may take."""
+    if speed <= 0.0:
+        raise UsageError(f"--speed should be above 0 with --goto and --path, not {speed}")
+    x, y = route.waypoints[0]
+    if duration is None:
+        duration = _LONGER * Track(route.points).length / speed + _DURATION
+    return plan._replace(route=route, direction=math.atan2(y, x), duration=duration)
 
 
 def _require_finite(**options: float | None) -> None:
@@ -155,6 +201,10 @@ def _tell(fields: dict[str, Any], json: bool, code: int) -> int:
     if code == 0 and fields["fell"]:
         complain("the robot fell")
         code = SafetyStop.exit_code
+    goal = fields["goal"]
+    if code == 0 and goal is not None and not goal["reached"]:
+        complain(f"the goal was not reached within {fields['duration_s']:.1f} s, {goal['miss_m']:.2f} m are missing")
+        code = 1
     return code
 
 
@@ -178,6 +228,10 @@ def _show(fields: dict[str, Any]) -> None:
     say(f"{fields['robot']}, {fields['gait']}: {fields['distance_m']:.3f} m in {fields['duration_s']:.1f} s "
         f"({fields['speed_mps']:.3f} m/s)")
     say(f"  ended at x {moved['x']:+.3f} m, y {moved['y']:+.3f} m, turned {moved['yaw_deg']:+.1f} deg")
+    if fields["goal"] is not None:
+        goal = fields["goal"]
+        say(f"  {1e2 * goal['miss_m']:.1f} cm from the goal at x {goal['x']:+.3f} m, y {goal['y']:+.3f} m"
+            f"{'' if goal['reached'] else ', not reached'}")
     tilt = f"largest tilt {fields['max_tilt_deg']:.1f} deg, " if fields["max_tilt_deg"] is not None else ""
     say(f"  {tilt}lowest {1e3 * fields['min_height_m']:.0f} mm, "
         f"{'FELL' if fields['fell'] else 'no fall'}")

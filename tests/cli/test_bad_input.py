@@ -39,6 +39,13 @@ HEXAPOD = (library.root() / "robots" / "hexapod.yaml").read_text()
     (["bench", "tick", "--seconds", "nan"], 2, "--seconds should be above 0"),
     (["walk", "hexapod", "--height", "0.5"], 2, "height 0.5 m is outside 0.095 to 0.135 m of hexapod"),
     (["walk", "hexapod", "--turn", "5", "--heading", "5"], 2, "--turn and --heading exclude each other"),
+    (["walk", "hexapod", "--goto", "1"], 2, "--goto should be X,Y in metres, such as 1.5,-0.3, not '1'"),
+    (["walk", "hexapod", "--goto", "-0,0"], 2, "somewhere else than the start"),
+    (["walk", "hexapod", "--goto", "1,nan"], 2, "--goto should be finite"),
+    (["walk", "hexapod", "--goto", "1,0", "--turn", "5"], 2, "leave out --direction and --turn"),
+    (["walk", "hexapod", "--goto", "1,0", "--path", "a.yaml"], 2, "--goto and --path exclude each other"),
+    (["walk", "hexapod", "--goto", "1,0", "--speed", "0"], 2, "--speed should be above 0"),
+    (["walk", "hexapod", "--path", "missing.yaml"], 3, "missing.yaml: cannot be read: No such file or directory"),
     (["walk", "hexapod", "--rate", "5"], 2, "the rate should be 10 to 1000 Hz, not 5"),
     (["walk", "hexapod", "--gif", "no/such/folder/walk.gif"], 2, "no/such/folder"),
     (["walk", "hexapod", "--log", "no/such/folder/walk.mcap"], 2, "no/such/folder/walk.mcap"),
@@ -82,6 +89,19 @@ def test_a_broken_robot_file(robotwalk: Run, tmp_path: Path, old: str, new: str,
     result = robotwalk("walk", "robot.yaml")
     assert result.code == 3
     assert result.out == ""
+    assert re.search(message, result.err, re.MULTILINE), result.err
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    ("schema: 1\nwaypoints_m: [[0.5, 0], [500, zero]]", r"^path.yaml:2:31: waypoints_m\.1\.1: .*number.*'zero'"),
+    ("schema: 1\nwaypoint_m: [[0.5, 0]]", r"path.yaml:2:1: unknown key 'waypoint_m': did you mean 'waypoints_m'\?"),
+    ("schema: 1\nwaypoints_m:\n  - [1, 0]\n  - [1, 0]", r"path.yaml:4:5: waypoints_m\.1: .*than waypoint 0"),
+    ("schema: 1\nfacing: left\nwaypoints_m: [[1, 0]]", r"path.yaml:2:9: facing: .*'kept' or 'ahead'.*'left'"),
+])
+def test_a_broken_path_file(robotwalk: Run, tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "path.yaml").write_text(text)
+    result = robotwalk("walk", "hexapod", "--path", "path.yaml")
+    assert (result.code, result.out) == (3, "")
     assert re.search(message, result.err, re.MULTILINE), result.err
 
 

@@ -22,8 +22,8 @@ def test_help_names_the_commands_and_the_exit_codes(robotwalk: Run) -> None:
 
 def test_walk_help_explains_every_option(robotwalk: Run) -> None:
     out = robotwalk("walk", "--help").out
-    for option in ("--gait", "--speed", "--direction", "--heading", "--turn", "--height", "--duration", "--rate",
-                   "--seed", "--faults", "--log", "--gif", "--view", "--json"):
+    for option in ("--gait", "--speed", "--direction", "--heading", "--turn", "--goto", "--path", "--height",
+                   "--duration", "--rate", "--seed", "--faults", "--log", "--gif", "--view", "--json"):
         assert option in out
 
 
@@ -50,6 +50,7 @@ def test_walk_json_has_every_field_of_the_contract(robotwalk: Run) -> None:
                   "min_stability_margin_m",
                   "energy_j", "cost_of_transport", "wall_s", "realtime_factor"):
         assert math.isfinite(report[field]), field
+    assert report["goal"] is None
     assert report["fell"] is False
     assert report["energy_j"] > 0.0
     assert {"t", "kind", "text"} == set(report["events"][0])
@@ -71,6 +72,15 @@ def test_a_walk_leaves_a_film_and_a_log(robotwalk: Run, tmp_path: Path) -> None:
     with Image.open(tmp_path / "walk.gif") as film:
         assert film.n_frames > 60
     assert (tmp_path / "walk.mcap").read_bytes()[:8] == b"\x89MCAP0\r\n"
+
+
+def test_a_goal_too_far_for_the_time_is_told(robotwalk: Run) -> None:
+    result = robotwalk("walk", "hexapod", "--goto", "-0.3,0.4", "--duration", "1", "--json")
+    assert result.code == 1
+    assert "the goal was not reached within 1.0 s, 0.4" in result.err
+    goal = result.json["goal"]
+    assert (goal["x"], goal["y"], goal["reached"]) == (-0.3, 0.4, False)
+    assert goal["miss_m"] + result.json["distance_m"] == pytest.approx(0.5, abs=0.01)
 
 
 def test_a_negative_speed_walks_backwards(robotwalk: Run) -> None:
