@@ -1,11 +1,15 @@
 """A robot with an IMU, from MuJoCo's sensors through the bytes of its line to what the controller may read."""
 
+import contextlib
 import itertools
 import math
+import os
+import time
 from pathlib import Path
 from typing import Any
 
 import pytest
+import serial
 
 from robotwalk import assembly
 from robotwalk.assembly.replay import replay
@@ -142,6 +146,13 @@ def test_it_is_one_more_port_of_the_simulated_device(tmp_path: Path) -> None:
     robot = with_imu(tmp_path, KINDS["bno085-rvc"])
     with served(str(robot), "--pty", str(tmp_path / "dev")) as urls:
         assert urls == {"legs": str(tmp_path / "dev" / "legs"), "imu": str(tmp_path / "dev" / "imu")}
+        time.sleep(0.5)  # while nobody listens
+        late = os.open(urls["imu"], os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY)
+        with contextlib.suppress(BlockingIOError):
+            assert len(os.read(late, 4096)) < 200, "what it said before"
+        os.close(late)
+        with serial.serial_for_url(urls["imu"], 9600, timeout=0.2) as wrong:
+            assert wrong.read(50) == b""
         session = assembly.connect(str(robot), urls)
         seen: list[Any] = []
         session.robot.observers.append(lambda tick: seen.append(tick.estimate.imu))
@@ -156,20 +167,25 @@ def test_it_is_one_more_port_of_the_simulated_device(tmp_path: Path) -> None:
     assert session.robot.state.odometry.roll == heard[-1].roll
 
 
-def test_a_hexapod_with_an_imu_levels_its_body_on_a_slope_until_the_imu_is_gone(tmp_path: Path) -> None:
-    tilts = {}
-    for levelling in ("", "  levelling: {}\n"):
-        with FakeRobot(with_imu(tmp_path, KINDS["wt61"], levelling), terrain="ramp_8") as fake:
-            fake.robot.stand()
-            fake.robot.walk(vx=0.2, seconds=5.0)
-            tilts[levelling] = math.degrees(math.hypot(fake.base.roll, fake.base.pitch))
-            if levelling:
-                assert not fake.fell
-                fake.befall("unplug", bus="imu")
-                fake.robot.walk(vx=0.05, seconds=2.0)
-                assert math.degrees(math.hypot(fake.base.roll, fake.base.pitch)) > 5.0
-    assert tilts[""] > 6.5
-    assert tilts["  levelling: {}\n"] < 1.5
+@pytest.mark.parametrize("levelling", ["", "  levelling: {}\n"])
+def test_a_hexapod_with_an_imu_levels_its_body_on_a_slope_while_it_is_heard(levelling: str, tmp_path: Path) -> None:
+    with FakeRobot(with_imu(tmp_path, KINDS["wt61"], levelling), terrain="ramp_8") as fake:
+        fake.robot.stand()
+        fake.robot.walk(vx=0.2, seconds=5.0)
+        tilt = math.degrees(math.hypot(fake.base.roll, fake.base.pitch))
+        if not levelling:
+            assert tilt > 6.5
+            return
+        assert tilt < 1.5
+        assert not fake.fell
+        pitches = []
+        fake.robot.observers.append(lambda tick: pitches.append(math.degrees(fake.base.pitch)))
+        fake.befall("unplug", bus="imu", for_=2.0)
+        fake.robot.walk(vx=0.05, seconds=2.0)
+        assert min(pitches) < -5.0
+        seconds = fake.seconds
+    assert fake.seconds < seconds + 8.0  # it does not try to be level on its belly
+    assert math.degrees(fake.base.pitch) < -6.5
 
 
 def test_levelling_needs_an_imu(tmp_path: Path) -> None:
