@@ -100,7 +100,7 @@ class Controller:
         height, posture = self._carriage(state, command)
         over_ground = self._over_ground(self._body.step(twist, height, posture, dt), dt)
         pose = self._level(over_ground, state, estimate, dt)
-        self._turn_needle(twist, bearable, dt)
+        self._turn_needle(twist, bearable, command.period, dt)
         self._waiting = self._balance(pose, twist)
         rocked = self._rocking.step(self._sway.step(pose, dt), self._clock, not self._idle, dt)
         self._pose = self._reaction.step(
@@ -149,14 +149,14 @@ class Controller:
         up = state in (State.STAND, State.WALK)
         return self._levelling.step(pose, self._pose, estimate.imu if up else None, dt)
 
-    def _turn_needle(self, twist: Twist, bearable: float, dt: float) -> None:
+    def _turn_needle(self, twist: Twist, bearable: float, period: float | None, dt: float) -> None:
         """Turn it by a tick, unless lift-offs have to wait; with the body still and all feet at rest, stop it."""
         was_idle = self._idle
         self._idle = twist == STILL and self._stepping.settled(self._foot_course)
         if was_idle and not self._idle:
             self._clock.rewind()
         elif not self._idle and not self._waiting and not self._footfalls.late:
-            self._clock.advance(twist, dt, bearable)
+            self._clock.advance(twist, dt, bearable, period)
 
     def _balance(self, pose: Pose, twist: Twist) -> bool:
         """Aim the body's shift, if the gait asks for it; tell whether lift-offs have to wait for that."""

@@ -135,9 +135,9 @@ class Gait:
                 scale = min(scale, leg.max_stride / (speed * stance * self.fastest_period))
         return scale
 
-    def period(self, twist: Twist) -> float:
-        """Return the period for a twist, s: the slowest, unless a stride would be longer than its leg's."""
-        period = self.slowest_period
+    def period(self, twist: Twist, wanted: float | None = None) -> float:
+        """Return the period for a twist, s: the `wanted` or slowest, unless a stride would be longer than its leg's."""
+        period = self.slowest_period if wanted is None else wanted
         for leg, stance, speed in zip(self._model.legs, self.longest_stance, self.foot_speeds(twist), strict=True):
             if speed > _NO_SPEED:
                 period = min(period, leg.max_stride / (speed * stance))
@@ -157,9 +157,12 @@ class GaitClock:
         self.phase = gait.starts[0]
         self.period = gait.slowest_period
 
-    def advance(self, twist: Twist, dt: float, bearable: float) -> None:
-        """Turn the needle by one tick at the cadence for this twist, faster while the feet cannot bear it."""
-        wanted = max(self.gait.period(twist) * bearable, self.gait.fastest_period)
+    def advance(self, twist: Twist, dt: float, bearable: float, period: float | None = None) -> None:
+        """Turn the needle by one tick at the cadence for this twist, faster while the feet cannot bear it.
+
+        `period` is the wanted one, s; it changes the needle's speed, and never its place.
+        """
+        wanted = max(self.gait.period(twist, period) * bearable, self.gait.fastest_period)
         slew = _PERIOD_SLEW**dt
         self.period = min(max(wanted, self.period / slew), self.period * slew)
         self.phase = (self.phase + dt / self.period) % 1.0

@@ -31,6 +31,7 @@ from robotwalk.types import (
 _LONGEST_STAND_UP = 15.0  # s; so long as this, something blocks it
 _LONGEST_SIT_DOWN = 20.0  # s, the last steps included
 LONGEST_WALK = 86400.0  # s, a day
+LONGEST_PERIOD = 60.0  # s, of a gait
 
 
 class RobotState(NamedTuple):
@@ -51,13 +52,15 @@ def check_duration(seconds: float) -> None:
 
 def check_command(command: Command, model: RobotModel, gaits: Sequence[str], refused: Mapping[str, str]) -> None:
     """Raise UsageError if a command makes no sense for a robot of these `gaits`; others are `refused`, and why."""
-    numbers = [*command.twist, *command.posture, command.heading or 0.0, command.height or 0.0]
+    numbers = [*command.twist, *command.posture, command.heading or 0.0, command.height or 0.0, command.period or 1.0]
     if not all(math.isfinite(number) for number in numbers):
         raise UsageError(f"a command needs finite numbers, not {command}")
     if command.gait is not None and command.gait in refused:
         raise UsageError(f"{model.name} cannot {command.gait}: {refused[command.gait]}")
     if command.gait is not None and command.gait not in gaits:
         raise UsageError(f"{model.name} has no gait {command.gait!r}; it has {', '.join(gaits)}")
+    if command.period is not None and not 0.0 < command.period <= LONGEST_PERIOD:
+        raise UsageError(f"a gait's period is over 0 and up to {LONGEST_PERIOD:.0f} s, not {command.period}")
     heights = model.heights
     if command.height is not None and not heights.lowest <= command.height <= heights.highest:
         raise UsageError(
@@ -167,7 +170,7 @@ class Robot:
 
     def walk(
         self, vx: float = 0.0, vy: float = 0.0, wz: float = 0.0, *, seconds: float, gait: str | None = None,
-        heading: float | None = None, height: float | None = None, posture: Pose = LEVEL,
+        heading: float | None = None, height: float | None = None, posture: Pose = LEVEL, period: float | None = None,
     ) -> None:
         """Walk for `seconds`, then stop and stand.
 
@@ -180,22 +183,25 @@ class Robot:
             heading: where to face, rad in odom, in place of `wz`; turned to and held.
             height: of the base above the ground, m; None is the robot's own.
             posture: displacement of the body from its course, m and rad, in the base frame.
+            period: of the gait, s, as far as strides and servos allow; None is as slow as the speed allows.
 
         Raises:
             UsageError: a value makes no sense, or the robot does not stand.
             SafetyStop: the robot had to sit down.
         """
-        self._walk(Command(Twist(vx, vy, wz), heading, height, posture, gait), seconds, until=lambda tick: False)
+        command = Command(Twist(vx, vy, wz), heading, height, posture, gait, period)
+        self._walk(command, seconds, until=lambda tick: False)
 
     def follow(
-        self, behaviour: Behaviour, *, seconds: float, gait: str | None = None, height: float | None = None
+        self, behaviour: Behaviour, *, seconds: float, gait: str | None = None, height: float | None = None,
+        period: float | None = None,
     ) -> bool:
         """Let a behaviour steer until it is done or `seconds` have passed, then stop and stand.
 
         Args:
             behaviour: one of `robotwalk.behaviours`, or of yours.
             seconds: how long at most; slowing down comes on top.
-            gait, height: where the behaviour leaves them open, as for `walk`.
+            gait, height, period: where the behaviour leaves them open, as for `walk`.
 
         Returns:
             Whether it was done.
@@ -209,7 +215,8 @@ class Robot:
             wanted = behaviour.step(estimate, 1.0 / self.loop.rate_hz)
             return wanted._replace(
                 gait=gait if wanted.gait is None else wanted.gait,
-                height=height if wanted.height is None else wanted.height)
+                height=height if wanted.height is None else wanted.height,
+                period=period if wanted.period is None else wanted.period)
 
         def steer(tick: Tick) -> bool:
             self.command(command(tick.estimate))

@@ -47,6 +47,7 @@ class Command(NamedTuple):
     height: float | None = None  # m, base above the ground; None is the robot's own
     posture: Pose = LEVEL  # displacement of the body from its course, in the base frame
     gait: str | None = None  # None is the robot's default
+    period: float | None = None  # s that a turn of the gait shall take; None is as slow as the speed allows
 
 
 class JointState(NamedTuple):

@@ -38,6 +38,7 @@ class Plan(NamedTuple):
     duration: float
     gait: str | None
     route: Route | None = None  # to walk by, in place of direction and turn; until there or `duration` has passed
+    period: float | None = None
 
 
 def require_possible(plan: Plan, blueprint: assembly.Blueprint) -> None:
@@ -47,7 +48,8 @@ def require_possible(plan: Plan, blueprint: assembly.Blueprint) -> None:
         UsageError: it makes no sense for this robot.
     """
     twist = twist_of(plan.speed, plan.direction, plan.turn)
-    command = Command(twist, plan.heading, plan.height, gait=plan.gait or blueprint.default_gait)
+    command = Command(
+        twist, plan.heading, plan.height, gait=plan.gait or blueprint.default_gait, period=plan.period)
     check_command(command, blueprint.model, tuple(blueprint.gaits), blueprint.refused)
     check_duration(plan.duration)
 
@@ -112,14 +114,16 @@ class Outing:
     def _go(self) -> None:
         robot, plan = self._robot, self._plan
         if plan.route is None:
-            robot.walk(*self._twist, seconds=plan.duration, gait=plan.gait, heading=plan.heading, height=plan.height)
+            robot.walk(
+                *self._twist, seconds=plan.duration, gait=plan.gait, heading=plan.heading, height=plan.height,
+                period=plan.period)
             return
         start = robot.state.odometry
         facing: Facing = "ahead" if plan.route.ahead else start.yaw + (plan.heading or 0.0)
         waypoints = [placed(start, Vec3(x, y, 0.0)) for x, y in plan.route.waypoints]
         self._arrived = robot.follow(
             FollowPath(waypoints, speed=plan.speed, facing=facing),
-            seconds=plan.duration, gait=plan.gait, height=plan.height)
+            seconds=plan.duration, gait=plan.gait, height=plan.height, period=plan.period)
 
     def ended_as(self) -> str:
         """Return what became of the robot, in words."""

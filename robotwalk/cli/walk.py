@@ -33,6 +33,7 @@ def walk(
     goto: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     path: Path | None = None,
     height: float | None = None,
+    period: float | None = None,
     duration: float | None = None,
     rate: int = assembly.RATE_HZ,
     seed: int = 0,
@@ -69,6 +70,8 @@ def walk(
         Walk along the waypoints of this YAML file instead, and end at the last.
     height
         Of the body above the ground, metres.
+    period
+        Of the gait, seconds, as far as strides and servos allow. Default: as slow as the speed allows.
     duration
         Seconds of walking; standing up and sitting down come on top. Default: 10; with --goto or --path, where it is
         the most that the way may take, 10 more than twice what it takes at that speed.
@@ -102,7 +105,8 @@ def walk(
         raise UsageError("--goto and --path tell where to go: leave out --direction and --turn")
     if route is not None and route.ahead and heading is not None:
         raise UsageError(f"--heading and the `facing: ahead` of {path} exclude each other")
-    _require_finite(speed=speed, direction=direction, heading=heading, turn=turn, height=height, duration=duration)
+    _require_finite(speed=speed, direction=direction, heading=heading, turn=turn, height=height, period=period,
+        duration=duration)
     ports = by_bus(port or [])
     on_bus = bool(ports) or real
     if hang and not on_bus:
@@ -119,7 +123,8 @@ def walk(
     plan = Plan(
         speed=abs(speed), direction=math.radians(direction + (180.0 if speed < 0.0 else 0.0)),
         heading=None if heading is None else math.radians(heading),
-        turn=math.radians(turn or 0.0), height=height, duration=_DURATION if duration is None else duration, gait=gait)
+        turn=math.radians(turn or 0.0), height=height, duration=_DURATION if duration is None else duration, gait=gait,
+        period=period)
     if route is not None:
         plan = _by_route(plan, route, speed, duration)
     require_possible(plan, blueprint)

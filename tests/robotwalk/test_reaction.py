@@ -17,7 +17,7 @@ from robotwalk.errors import ConfigError
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.model import RobotModel
 from robotwalk.reaction import Reaction, forward_angle, mean_angle
-from robotwalk.stepping import Footfalls
+from robotwalk.stepping import Stepping
 from robotwalk.types import Command, Pose, Twist, Vec3
 
 from .conftest import PerfectRobot
@@ -88,7 +88,8 @@ def test_the_turn_has_a_gain_and_a_limit(
     model = replace(hexapod, reactions=hexapod.reactions._replace(turn=gain, largest_turn=0.08))
     course = Pose(1.0, 2.0, 0.1, 0.0, 0.0, 0.3)
     feet = [placed(course._replace(yaw=0.4), leg.rest_foot) for leg in hexapod.legs]
-    footfalls = Footfalls(tuple(Vec3(x, y, 0.009) for x, y in feet), (True,) * 6, tuple(feet))
+    resting = Stepping(model, course).footfalls()
+    footfalls = resting._replace(centres=tuple(Vec3(x, y, 0.009) for x, y in feet))
     reaction, clock = Reaction(model), GaitClock(gaits["tripod"])
     for _ in range(300):
         pose = reaction.step(course, clock, footfalls, course, True, 0.01)
