@@ -12,6 +12,7 @@ from robotwalk.kinematics import solver_for
 from robotwalk.levelling import Levelling
 from robotwalk.model import RobotModel
 from robotwalk.orientation import Orientation
+from robotwalk.pace import Pace
 from robotwalk.reaction import Reaction
 from robotwalk.rocking import Rocking
 from robotwalk.statics import Bearing, LegStatics
@@ -21,7 +22,7 @@ from robotwalk.supervisor import State
 from robotwalk.sway import Sway
 from robotwalk.types import LEVEL, STILL, Command, Pose, Twist, Vec3
 from robotwalk.unfold import Unfold
-from robotwalk.velocity import Propulsion, Shaped, VelocityShaper
+from robotwalk.velocity import Propulsion, Shaped, VelocityShaper, feasible
 
 _HEADING_GAIN = 2.0  # rad/s per rad off the heading
 _ROUNDING = 1e-9
@@ -78,6 +79,8 @@ class Controller:
         self._orientation = Orientation(model, model.orientation) if model.orientation is not None else None
         self._footfalls = self._stepping.footfalls()
         self._loads: Sequence[float] = ()
+        self._felt = False  # the feet feel the ground
+        self._pace = Pace()
         self._sway = Sway(model)
         self._rocking = Rocking(model)
         self._reaction = Reaction(model)
@@ -126,12 +129,16 @@ class Controller:
         gait, now, course = self._gaits[command.gait or self._default_gait], self._shaper.twist, self._foot_course
         aim = self._shaper.feasible(twist, gait)
         share = bearable = self._stepping.bearable(self._clock, course, aim)
+        faster = self._pace.step(aim, now, share, dt) if self._felt else 1.0
         # A slower gait takes over once the body is slow enough for it.
         if gait is not self._clock.gait and gait.largest_scale(now) >= 1.0 - _ROUNDING:
             ready = self._stepping.change_gait(self._clock, gait, course, now)
             if ready < 1.0 and aim != STILL:  # slow down until it is
                 share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
         pushes = self._propulsion.step(self._clock, self._stepping.footfalls().planted, self._idle)
+        if share >= 1.0 and faster > 1.0:
+            most, _ = feasible(Twist(*(faster * v for v in aim)), self._model.motion, gait)
+            share = math.hypot(*most) / math.hypot(*aim)
         return self._shaper.step(twist, gait, dt, share, pushes=pushes), bearable
 
     def _carriage(self, state: State, command: Command) -> tuple[float, Pose]:
@@ -201,7 +208,8 @@ class Controller:
 
     def _senses(self, estimate: Estimate) -> list[Sense | None] | None:
         """Return what the feet feel in odom, by where the body is told to be."""
-        if self._model.contact is None or not estimate.felt:
+        self._felt = self._model.contact is not None and bool(estimate.felt)
+        if not self._felt:
             return None
         senses: list[Sense | None] = []
         pose, falls = self._pose, self._footfalls

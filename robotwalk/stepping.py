@@ -25,6 +25,7 @@ _AT_REST = 1.5e-3  # m; a foot this near its rest position need not step
 _NEAR_REST = 10e-3  # m, where feet stand as they find the ground
 _LATEST_LIFTOFF = 0.6  # of a sector; a foot held back for longer sits this swing out
 _LATEST_RETARGET = 0.5  # of a swing
+_NEARLY_OVER = 0.97  # of a sector, at which the needle waits for a swing that goes on
 _COMING_DOWN = 0.5  # of a swing, from where on a load is a touchdown
 _AS_EXPECTED = 8e-3  # m; a foot struck this near the ground that was expected goes on to it
 _AS_FELT = 3e-3  # m; ground this near to where it was expected is there
@@ -41,6 +42,7 @@ _MOST_CAUTIOUS = 0.025  # m added to the lift of every foot where the ground has
 _CALMING = 0.9  # of that stays after each step without a surprise
 _BACK = 0.01  # m that a foot draws back when it is struck
 _STRETCH = 0.55  # of its largest stride that a foot may be from rest; half in a steady gait
+_FARTHEST = 0.85  # of it that a foot may be which stands where it found ground, or waits for others that look for it
 
 
 class Footfalls(NamedTuple):
@@ -68,6 +70,7 @@ class Stepping:
         self._caution = 0.0  # m
         self._random = Random(0)
         self._no_ground = False
+        self._phase = 0.0  # of the needle
         self._senses: Sequence[Sense | None] = (None,) * len(model.legs)
         self._plane = GroundPlane()
         self._feet = [Foot(leg) for leg in model.legs]
@@ -113,7 +116,7 @@ class Stepping:
             due = self._due(foot, index, gait, phase) is not None
             wait = 0.0 if due else gait.until_lift_off(index, phase) * period
             (dx, dy), (ux, uy) = foot.offset(course), _passing(foot.leg, twist)
-            limit = _STRETCH * foot.leg.max_stride
+            limit = (_STRETCH if self._senses[index] is None else _FARTHEST) * foot.leg.max_stride
             wx, wy = ux * wait, uy * wait
             if (dx - wx) ** 2 + (dy - wy) ** 2 > limit * limit:
                 # The share s at which |d - s w| meets the limit; going back towards rest is always allowed.
@@ -152,6 +155,7 @@ class Stepping:
         """
         self._no_ground = False
         self._plane = plane
+        self._phase = clock.phase
         if senses is not None:
             self._senses = senses
         loads = loads or (0.0,) * len(self._feet)
@@ -187,9 +191,15 @@ class Stepping:
             tuple(foot.sector is None for foot in self._feet),
             tuple((foot.target.x, foot.target.y) for foot in self._feet),
             tuple(foot.stood for foot in self._feet),
-            any(foot.overdue for foot in self._feet),
+            any(self._is_late(foot) for foot in self._feet),
             self._no_ground,
         )
+
+    def _is_late(self, foot: Foot) -> bool:
+        """Tell whether the needle has to wait for a foot: it looks for ground, or its swing outlasts its sector."""
+        if foot.search is not None:
+            return True
+        return foot.overdue and foot.sector is not None and foot.sector.progress(self._phase) >= _NEARLY_OVER
 
     def _due(self, foot: Foot, index: int, gait: Gait, phase: float) -> Sector | None:
         """Return the sector in which a standing foot may lift off at a phase, if it is in one not yet used."""
@@ -210,6 +220,8 @@ class Stepping:
         swing = foot.swing
         assert swing is not None
         seconds = max(foot.share * period, foot.slowest(self._min_swing))
+        if contact is not None and seconds > foot.share * period:
+            foot.overdue = True
         if swing.progress <= _LATEST_RETARGET:
             remaining = (1.0 - swing.progress) * seconds
             x, y = footprint(foot.leg, course, twist, remaining - dt + 0.5 * sector.stance * period)
