@@ -29,7 +29,7 @@ def require_consistent(document: Document, config: RobotConfig) -> None:
     """Compare sections with each other.
 
     Raises:
-        ConfigError: feet and legs differ, or heights are out of order.
+        ConfigError: feet and legs differ, heights are out of order, or two things would tilt the body.
     """
     legs, feet = config.skeleton.legs, config.locomotion.feet
     for name in feet:
@@ -42,6 +42,10 @@ def require_consistent(document: Document, config: RobotConfig) -> None:
         if name not in legs:
             raise document.error(
                 ("locomotion", "reaction", "weights", name), f"no such leg; there are {', '.join(legs)}")
+    orientation = config.locomotion.orientation
+    if config.locomotion.levelling is not None and orientation is not None and orientation.share > 0.0:
+        raise document.error(
+            ("locomotion", "levelling"), "by the IMU or by the feet: this excludes orientation, unless its share is 0")
     height = config.locomotion.height_mm
     if not height.sit < height.lowest <= height.stand <= height.highest:
         raise document.error(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from robotwalk.body import Body, in_odom, placed, seen_from, up_axis
 from robotwalk.contact import Sense, sag
-from robotwalk.estimator import Estimate
+from robotwalk.estimator import Estimate, tilted
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.kinematics import solver_for
 from robotwalk.levelling import Levelling
@@ -110,7 +110,7 @@ class Controller:
             rocked, self._clock, self._stepping.footfalls(), self._body.course, not self._idle, dt)
         footfalls = self._footfalls = self._step_feet(twist, estimate, dt)
         angles, reach_error = self._angles(footfalls)
-        statics = self._bearing.step(angles, self._pose, footfalls.planted, dt)
+        statics = self._bearing.step(angles, tilted(self._pose, estimate.imu), footfalls.planted, dt)
         self._loads = statics.loads
         at_rest = self._idle and self._sway.at_rest and self._rocking.at_rest and self._reaction.at_rest
         settled = at_rest and self._body.settled(height, posture)

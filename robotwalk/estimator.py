@@ -71,9 +71,12 @@ class Odometry:
 
 def told_by(imu: ImuState | None, estimate: Estimate) -> Estimate:
     """Return an estimate with what the IMU tells, if there is one and it does."""
-    if imu is None or not imu.valid:
-        return estimate._replace(imu=imu)
-    return estimate._replace(pose=estimate.pose._replace(roll=imu.roll, pitch=imu.pitch), imu=imu)
+    return estimate._replace(pose=tilted(estimate.pose, imu), imu=imu)
+
+
+def tilted(pose: Pose, imu: ImuState | None) -> Pose:
+    """Return a pose with the tilt against gravity that a valid IMU tells; without one, as it is."""
+    return pose if imu is None or not imu.valid else pose._replace(roll=imu.roll, pitch=imu.pitch)
 
 
 def _rigid_motion(pairs: Sequence[tuple[Vec3, Vec3]]) -> tuple[float, float, float]:

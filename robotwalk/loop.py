@@ -14,7 +14,7 @@ from typing import NamedTuple
 from robotwalk.clock import Grid
 from robotwalk.contact import FootSense
 from robotwalk.controller import NOTHING_WANTED, Controller, Wanted
-from robotwalk.estimator import Estimate, Odometry, told_by
+from robotwalk.estimator import Estimate, Odometry, tilted, told_by
 from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate
 from robotwalk.model import RobotModel
@@ -205,7 +205,8 @@ class Loop:
         estimate = told_by(imu, self._odometry.step(joints, wanted.planted, wanted.twist, dt))
         stable = stability(self._masses, joints.position, wanted.planted, estimate.pose)
         if self._sense is not None and wanted.legs:
-            up = up_in_base(wanted.pose.roll, wanted.pose.pitch)
+            lying = tilted(wanted.pose, imu)
+            up = up_in_base(lying.roll, lying.pitch)
             estimate = estimate._replace(felt=self._sense.step(joints, wanted.legs, up, dt))
         oldest = max(range(len(joints.age)), key=joints.age.__getitem__)
         stalest = self._bus.joints[oldest], joints.age[oldest]

@@ -17,6 +17,9 @@ def test_the_example_walks_level_on_the_slope(tmp_path: Path) -> None:
     page, robot = PAGE.read_text(), library.open_document("robots", "hexapod").text
     blocks = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
     assert len(blocks) == 2
+    assert "take `orientation: {}` out" in page
+    assert robot.count("  orientation: {}\n") == 1
+    robot = robot.replace("  orientation: {}\n", "")
     for block in blocks:
         section, _, rest = block.partition("\n")
         assert robot.count(f"\n{section}\n") == 1
