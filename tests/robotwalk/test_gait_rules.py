@@ -26,7 +26,7 @@ LIBRARY = {
     ("hexapod", "tripod"): ("lf lr rm, lm rf rr", 1 / 2),
     ("hexapod", "tetrapod"): ("lf rm, lr rf, lm rr", 2 / 3),
     ("hexapod", "ripple"): ("lr, rf, lm, rr, lf, rm", 2 / 3),
-    ("hexapod", "stroll"): ("lf lr rm, lm rf rr", 0.5915),
+    ("hexapod", "stroll"): ("lf lr rm, lm rf rr", 0.5624),
     ("hexapod", "wave"): ("lr, lm, lf, rr, rm, rf", 5 / 6),
     ("octopod", "tetrapod"): ("lf lmr rmf rr, lmf lr rf rmr", 1 / 2),
     ("octopod", "ripple"): ("lf rmr, lr rmf, lmr rf, lmf rr", 3 / 4),

@@ -9,6 +9,10 @@ import pytest
 
 from . import rig
 
+# What is asked of the quadruped, whose gaits are balanced only by their motion, and of the others.
+OFF = {"quadruped": 0.18}
+ELSE_OFF = 0.12
+
 
 @pytest.mark.parametrize(("robot", "gait", "speed", "direction", "tilt"), [
     ("hexapod", "tetrapod", 0.08, 0.0, 2.0),
@@ -25,7 +29,7 @@ def test_it_walks_at_the_speed_that_is_asked_for(
 ) -> None:
     report = rig.walk(robot, gait=gait, speed=speed, direction=math.radians(direction), duration=7.0)
     rig.assert_sound(report, tilt_deg=tilt)
-    assert report["distance_m"] == pytest.approx(speed * report["duration_s"], rel=0.12)
+    assert report["distance_m"] == pytest.approx(speed * report["duration_s"], rel=OFF.get(robot, ELSE_OFF))
     assert abs(report["lateral_drift_m"]) < 0.03
     assert abs(report["heading_change_deg"]) < 5.0
     cuts = [event["text"] for event in report["events"] if event["kind"] == "limits"]
