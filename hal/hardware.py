@@ -120,6 +120,9 @@ def imu_problems(config: HardwareConfig, imus: Mapping[str, ImuModel]) -> Iterat
     rate = imu.rate_hz or model.rate_hz
     if rate > model.max_rate_hz:
         yield Problem(("imu", "rate_hz"), f"{model.name} has at most {model.max_rate_hz:g} Hz", rate)
+    if imu.stale_after_s * rate < 1.5:
+        told = f"is hardly longer than from one measurement to the next, at {rate:g} Hz"
+        yield Problem(("imu", "stale_after_s"), told, imu.stale_after_s)
     fits = imu.baud / _BITS_PER_BYTE / model.report_bytes
     if rate > fits:
         told = f"carries {fits:.1f} measurements of {model.name} a second, which sends {rate:g}"

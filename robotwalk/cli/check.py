@@ -57,12 +57,14 @@ def check(
                            "lowered_by": [remedy._asdict() for remedy in bus.lowered_by]}
                 for bus in buses
             },
+            **_imu_fields(blueprint),
             "supply": {
                 "stall_a": round(supply.stall_a, 2), "stated_a": supply.stated_a, "supply_v": supply.supply_v,
                 "sag_at_stall_v": round(supply.sag_v, 2), "servos_without_sheet": supply.unknown},
         })
     else:
         _show(blueprint, gaits, buses, rate)
+        _show_imu(blueprint)
         _show_supply(supply)
         for problem in problems:
             say(f"problem: {problem}")
@@ -131,6 +133,24 @@ def _show_calibration(blueprint: assembly.Blueprint) -> None:
              "yes" if row.verified else "no"]
             for name, row in config.joints.items()
         ])
+
+
+def _imu_fields(blueprint: assembly.Blueprint) -> dict[str, Any]:
+    """Return what is to be said of the IMU; nothing without one."""
+    imu, model = blueprint.hardware.imu, blueprint.imu
+    if imu is None or model is None:
+        return {}
+    return {"imu": {
+        "kind": imu.kind, "rate_hz": imu.rate_hz or model.rate_hz, "baud": imu.baud,
+        "mounting_deg": list(imu.mounting_deg), "levels": blueprint.model.levelling is not None}}
+
+
+def _show_imu(blueprint: assembly.Blueprint) -> None:
+    for imu in _imu_fields(blueprint).values():
+        roll, pitch, yaw = imu["mounting_deg"]
+        say(f"IMU: {imu['kind']}, {imu['rate_hz']:g} Hz at {imu['baud']} baud, "
+            f"mounted at roll {roll:g}, pitch {pitch:g}, yaw {yaw:g} deg; "
+            f"the body is {'' if imu['levels'] else 'not '}kept level by it")
 
 
 def _gait_fields(gait: _Judged) -> dict[str, Any]:

@@ -17,14 +17,17 @@ def test_the_example_walks_level_on_the_slope(tmp_path: Path) -> None:
     page, robot = PAGE.read_text(), library.open_document("robots", "hexapod").text
     blocks = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
     assert len(blocks) == 2
-    assert "take `orientation: {}` out" in page
-    assert robot.count("  orientation: {}\n") == 1
-    robot = robot.replace("  orientation: {}\n", "")
+    assert "take its line `orientation` out" in page
+    robot, count = re.subn(r"^  orientation:.*\n", "", robot, flags=re.MULTILINE)
+    assert count == 1
     for block in blocks:
         section, _, rest = block.partition("\n")
         assert robot.count(f"\n{section}\n") == 1
         robot = robot.replace(f"\n{section}\n", f"\n{section}\n{rest}")
     (tmp_path / "my_robot.yaml").write_text(robot)
+    check = [*ROBOTWALK, "check", "my_robot.yaml"]
+    told = subprocess.run(check, cwd=tmp_path, capture_output=True, text=True, check=False).stdout
+    assert "mounted at roll 180, pitch 0, yaw 90 deg; the body is kept level by it" in told
     (command,) = re.findall(r"^\$ robotwalk (.*)$", page, re.MULTILINE)
     done = subprocess.run(
         [*ROBOTWALK, *shlex.split(command), "--json"], cwd=tmp_path, capture_output=True, text=True, check=False)

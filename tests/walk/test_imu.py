@@ -4,6 +4,7 @@ import contextlib
 import itertools
 import math
 import os
+import re
 import time
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,9 @@ def with_imu(folder: Path, imu: str, locomotion: str = "") -> Path:
     """Write the hexapod's file, an IMU fitted, and return its path."""
     text = library.open_document("robots", "hexapod").text
     text = text.replace("hardware:\n", f"hardware:\n  imu: {{port: /dev/ttyUSB1, {imu}}}\n")
-    text = text.replace("  orientation: {}\n", locomotion or "  orientation: {}\n")
+    if locomotion:
+        text, count = re.subn(r"^  orientation:.*\n", locomotion, text, flags=re.MULTILINE)
+        assert count == 1
     path = folder / "hexapod_imu.yaml"
     path.write_text(text)
     return path
@@ -130,6 +133,7 @@ def test_robots_without_one_report_nothing_of_it() -> None:
     ("kind: bno085-rvc, baud: 9600", "bno085-rvc has only 115200"),
     ("kind: wt901, baud: 9600, rate_hz: 50", "carries 21.8 measurements of wt901 a second, which sends 50"),
     ("kind: wt61, baud: 115200, rate_hz: 200", "wt61 has at most 100 Hz"),
+    ("kind: wt901, baud: 9600, stale_after_s: 0.1", "hardly longer than from one measurement to the next, at 10 Hz"),
     ("kind: wt61, baud: 115200, mounting_deg: [0, 0, 270]", "less than or equal to 180"),
     ("kind: wt61, baud: 115200, mounting: [0, 0, 90]", "mounting"),
 ])
