@@ -75,7 +75,8 @@ def test_physics_and_ticks_keep_pace_exactly(rate: int) -> None:
     with simulation.robot as robot:
         robot.observers.append(lambda tick: steps.append(round(simulation.world.truth().time / model.opt.timestep)))
         robot.stand()
-    assert set(np.diff(steps)) == {steps_per_tick(rate)}
+        ticks = np.diff(steps)  # until here: a pause may take its time
+    assert set(ticks) == {steps_per_tick(rate)}
 
 
 def test_yaw_is_counted_on_past_a_whole_turn(simulation: assembly.Simulation) -> None:
