@@ -7,18 +7,10 @@ change sides at slightly different moments (PARAM says so), and a planted foot t
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
 
 from robotwalk.swing_paths import Motion, PathPoint
 
 _NO_SKEW = 1e-4  # of a bias; below it the plain sine differs by less than 1e-4, and the formulae lose their digits
-
-
-class FootOffset(NamedTuple):
-    """Where a foot is from its rest position."""
-
-    along: float  # of its stride, -0.5 to 0.5; positive in the direction of travel
-    up: float  # of its lift, 0 to 1
 
 
 def lift(x: float, bias: float) -> float:
@@ -80,9 +72,3 @@ def _slide_motion(x: float, bias: float) -> Motion:
     above, below, largest = k * (c - k), 1.0 + k * (k - 2.0 * c), math.asin(k)
     return Motion(
         slide(x, bias), above / below / largest, -k * s * (below + 2.0 * above) / (below * below) / largest)
-
-
-def in_place(turns: float, bias: float) -> FootOffset:
-    """Return where a foot is that walks on the spot, `turns` after its lift-off (PARAM, Gait)."""
-    x = lift_off(bias) + math.tau * turns
-    return FootOffset(0.5 * slide(x - 0.5 * math.pi, bias), max(lift(x, bias), 0.0))
