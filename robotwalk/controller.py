@@ -41,6 +41,7 @@ class Wanted(NamedTuple):
     reach_error: float  # m, the farthest that a leg is short of its target
     standing: bool  # at its height, all feet at rest
     seated: bool  # lowered, all feet at rest
+    at_edge: bool = False  # a foot found no ground on the way that is commanded
 
 
 NOTHING_WANTED = Wanted((), STILL, 1.0, (), (), (), LEVEL, 0.0, standing=False, seated=False)
@@ -81,6 +82,7 @@ class Controller:
         self._loads: Sequence[float] = ()
         self._felt = False  # the feet feel the ground
         self._pace = Pace()
+        self._edge: Twist | None = None  # the way on which there was no ground
         self._sway = Sway(model)
         self._rocking = Rocking(model)
         self._reaction = Reaction(model)
@@ -117,11 +119,12 @@ class Controller:
         lowered = height == self._model.heights.sit and (self._levelling is None or self._levelling.at_rest)
         return Wanted(
             angles, twist, shaped.scale, footfalls.planted, statics.torques, statics.legs, self._pose, reach_error,
-            standing=settled and state in (State.STAND, State.WALK), seated=settled and lowered)
+            standing=settled and state in (State.STAND, State.WALK), seated=settled and lowered,
+            at_edge=self._edge is not None)
 
     def _shape(self, state: State, command: Command, estimate: Estimate, dt: float) -> tuple[Shaped, float]:
         """Return the twist to walk with, and the share of the feasible one that the standing feet can bear."""
-        twist = command.twist if state is State.WALK else STILL
+        twist = command.twist if state is State.WALK and not self._at_edge(command.twist) else STILL
         if state is State.WALK and command.heading is not None:
             turn = _HEADING_GAIN * (command.heading - estimate.pose.yaw)
             limit = self._model.motion.turn
@@ -135,11 +138,21 @@ class Controller:
             ready = self._stepping.change_gait(self._clock, gait, course, now)
             if ready < 1.0 and aim != STILL:  # slow down until it is
                 share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
+        if self._footfalls.searching:
+            share = 0.0
         pushes = self._propulsion.step(self._clock, self._stepping.footfalls().planted, self._idle)
         if share >= 1.0 and faster > 1.0:
             most, _ = feasible(Twist(*(faster * v for v in aim)), self._model.motion, gait)
             share = math.hypot(*most) / math.hypot(*aim)
         return self._shaper.step(twist, gait, dt, share, pushes=pushes), bearable
+
+    def _at_edge(self, wanted: Twist) -> bool:
+        """Tell whether there is no ground that way: a foot has looked for it in vain."""
+        if self._footfalls.no_ground:
+            self._edge = wanted
+        elif self._edge is not None and self._edge.vx * wanted.vx + self._edge.vy * wanted.vy <= 0.0:
+            self._edge = None
+        return self._edge is not None
 
     def _carriage(self, state: State, command: Command) -> tuple[float, Pose]:
         """Return the height and the posture to go for; down only once the feet are at rest."""
@@ -159,7 +172,7 @@ class Controller:
     def _turn_needle(self, twist: Twist, bearable: float, period: float | None, dt: float) -> None:
         """Turn it by a tick, unless lift-offs have to wait; with the body still and all feet at rest, stop it."""
         was_idle = self._idle
-        self._idle = twist == STILL and self._stepping.settled(self._foot_course)
+        self._idle = twist == STILL and self._stepping.settled(self._foot_course, anywhere=self._edge is not None)
         if was_idle and not self._idle:
             self._clock.rewind()
         elif not self._idle and not self._waiting and not self._footfalls.late:

@@ -28,6 +28,7 @@ class Foot:
         struck_for: for how long something has held it back, s.
         bumps: how often it was struck on its way in it.
         overdue: whether its swing takes longer than its sector.
+        touched_for: for how long it has felt something while it searches, s.
         found: whether it stands where it found ground, not where it was sent.
         lost_for: for how long it has stood without the load that it should bear, s.
     """
@@ -46,7 +47,7 @@ class Foot:
         self.struck_for = 0.0
         self.bumps = 0
         self.overdue = False
-        self.lost_for = 0.0
+        self.lost_for = self.touched_for = 0.0
         self.found = False
 
     def plant(self, place: Vec3) -> None:
@@ -64,7 +65,7 @@ class Foot:
     def _land(self) -> None:
         self.swing = self.sector = self.search = None
         self.overdue = False
-        self.lost_for = 0.0
+        self.lost_for = self.touched_for = 0.0
 
     def settle(self, dt: float) -> None:
         """Come to rest where it stands."""

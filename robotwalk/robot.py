@@ -371,7 +371,10 @@ class Robot:
     def _tick(self) -> Tick:
         # The caller of this thread is the driver, and alive.
         self.loop.beat()
+        was_at_edge = self._last is not None and self._last.wanted.at_edge
         tick = self._last = self.loop.tick()
+        if tick.wanted.at_edge and not was_at_edge:
+            self.note("edge", "a foot found no ground ahead: stopped")
         self._seconds += 1.0 / self.loop.rate_hz
         news = self._imu_watch and self._imu_watch.step(tick.estimate.imu, self._seconds)
         if news:

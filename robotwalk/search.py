@@ -15,6 +15,7 @@ from robotwalk.types import Vec3
 
 _FASTEST = 0.10  # m/s downwards; how deep a foot presses into what it finds in the time that it takes to notice
 _GENTLE = 1.5  # m/s^2
+_JOLT = 0.08  # s
 _CIRCLES = (0.015, 0.030)  # m
 _PROBES = 3  # in each circle
 _PROBING_LIFT = 0.015  # m
@@ -55,11 +56,24 @@ class Search:
         self._expected = target  # the place above the ground from where it feels down
         self._swing: Swing | None = None
         self._probes: list[float] = []  # radii still to come
+        self._steady_for = _JOLT  # s since it last set off anew
+
+    @property
+    def feels(self) -> bool:
+        """Whether what the foot feels is to be trusted: as it sets off anew, gears jolt."""
+        return self._steady_for >= _JOLT
+
+    @property
+    def gave_up(self) -> bool:
+        """Whether there was no ground, below or around."""
+        return self.phase in (Phase.NEARER, Phase.HOME)
 
     def step(self, dt: float) -> Vec3:
         """Go on by `dt` s and return where the foot is; it ends when the foot feels ground, or is `done`."""
+        self._steady_for += dt
         if self._swing is None:
-            self._speed = min(self._speed + _GENTLE * dt, _FASTEST)
+            left = max(self._settings.reach_down - (self._expected.z - self.place.z), 0.0)
+            self._speed = min(self._speed + _GENTLE * dt, _FASTEST, math.sqrt(2.0 * _GENTLE * left) + _GENTLE * dt)
             self.place = self.place._replace(z=self.place.z - self._speed * dt)
             if self._expected.z - self.place.z >= self._settings.reach_down:
                 self._give_up_below()
@@ -67,6 +81,7 @@ class Search:
         self.place = self._swing.step(dt, _PROBING if self.phase is Phase.AROUND else _STEPPING)
         if self._swing.progress >= 1.0:
             self._swing = None
+            self._steady_for = 0.0
             if self.phase is Phase.AROUND:
                 self._next_probe()
             elif self.phase is Phase.NEARER:
@@ -77,6 +92,7 @@ class Search:
 
     def _give_up_below(self) -> None:
         """Go on elsewhere: around, then nearer, then home."""
+        self._steady_for = 0.0
         if self.phase is Phase.DOWN and self._settings.search:
             self.phase = Phase.AROUND
             self._probes = [radius for radius in _CIRCLES for _ in range(_PROBES)]

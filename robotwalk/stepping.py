@@ -16,7 +16,7 @@ from robotwalk.foot import Foot
 from robotwalk.gait import Gait, GaitClock, Sector
 from robotwalk.model import ContactSettings, Leg, RobotModel
 from robotwalk.orientation import GroundPlane
-from robotwalk.search import Search
+from robotwalk.search import Phase, Search
 from robotwalk.statics import GRAVITY
 from robotwalk.swing import Swing
 from robotwalk.types import STILL, UP, Pose, Twist, Vec3
@@ -36,6 +36,7 @@ _STEEP = 0.7  # of a load; pushed back by more than this, a foot would slip off 
 _LOST = 0.12  # of the weight, that a foot should bear of which nothing is felt: it has lost its ground
 _LOST_FOR = 0.12  # s of that; loads pass from foot to foot in less
 _STRUCK_FOR = 0.025  # s; gears with backlash jolt, too, but not for long
+_SURE_AFTER = 0.15  # s
 _BUMPS = 3  # in one swing, after which the foot stands where it is
 _HIGHER = 0.02  # m that each of them adds to the lift
 _MOST_CAUTIOUS = 0.025  # m added to the lift of every foot where the ground has surprised
@@ -53,7 +54,8 @@ class Footfalls(NamedTuple):
     footprints: tuple[tuple[float, float], ...]  # in odom, m: where each foot stands, or will be set down
     stood: tuple[Vec3, ...]  # in odom, m: where each foot stands, or stood last
     late: bool  # some foot's swing goes on past its turn: the needle has to wait
-    no_ground: bool  # a foot found none, and went back
+    searching: bool  # a foot found none below it, and looks around or goes back
+    no_ground: bool  # it found none at all
 
 
 FLAT = GroundPlane()
@@ -69,7 +71,6 @@ class Stepping:
         self._weight = model.mass * GRAVITY
         self._caution = 0.0  # m
         self._random = Random(0)
-        self._no_ground = False
         self._phase = 0.0  # of the needle
         self._senses: Sequence[Sense | None] = (None,) * len(model.legs)
         self._plane = GroundPlane()
@@ -136,9 +137,9 @@ class Stepping:
                 turns = min(turns, clock.gait.until_lift_off(index, clock.phase))
         return turns * clock.period
 
-    def settled(self, course: Pose) -> bool:
-        """Tell whether all feet stand at rest below the body."""
-        return all(foot.sector is None and self._at_rest(foot, course) for foot in self._feet)
+    def settled(self, course: Pose, *, anywhere: bool = False) -> bool:
+        """Tell whether all feet stand at rest below the body, or `anywhere`."""
+        return all(foot.sector is None and (anywhere or self._at_rest(foot, course)) for foot in self._feet)
 
     @staticmethod
     def _at_rest(foot: Foot, course: Pose) -> bool:
@@ -153,7 +154,6 @@ class Stepping:
         Swings are in the plane of their direction and `up`, the body's up axis in odom. They end on the `plane`, or
         where `senses` tell of ground. A standing foot should bear its part of `loads`, N.
         """
-        self._no_ground = False
         self._plane = plane
         self._phase = clock.phase
         if senses is not None:
@@ -192,7 +192,8 @@ class Stepping:
             tuple((foot.target.x, foot.target.y) for foot in self._feet),
             tuple(foot.stood for foot in self._feet),
             any(self._is_late(foot) for foot in self._feet),
-            self._no_ground,
+            any(foot.search is not None and foot.search.phase is not Phase.DOWN for foot in self._feet),
+            any(foot.search is not None and foot.search.gave_up for foot in self._feet),
         )
 
     def _is_late(self, foot: Foot) -> bool:
@@ -293,7 +294,11 @@ class Stepping:
         return back > max(_BUMP * self._weight, _STEEP * sense.push.z)
 
     def _go_on_searching(self, foot: Foot, search: Search, sense: Sense | None, dt: float) -> None:
-        if sense is not None and sense.touching:
+        touching = sense is not None and sense.touching and search.feels
+        foot.touched_for = foot.touched_for + dt if touching else 0.0
+        if touching and search.phase is not Phase.DOWN and foot.touched_for < _SURE_AFTER:
+            return  # keep still: ground stays, a jolt does not
+        if sense is not None and touching:
             self._be_surprised(abs(foot.target.z - sense.place.z) - _AS_FELT)
             # A foot that feels straight down is where it is told to be; one that swings lags behind.
             if foot.swing is None:  # it stood, and stands again a little lower
@@ -305,8 +310,12 @@ class Stepping:
             return
         foot.place = search.step(dt)
         if search.done:
-            self._no_ground = True
             foot.plant(foot.stood)
+        elif foot.swing is None and search.phase is not Phase.DOWN:
+            # It stood here, and here is nothing any more: it steps anew.
+            assert foot.sector is not None
+            foot.search, foot.share = None, foot.sector.length
+            foot.rise(foot.place, foot.leg.lift + self._caution)
 
     def _be_surprised(self, by: float) -> None:
         self._caution = max(self._caution, min(by, _MOST_CAUTIOUS))
