@@ -144,7 +144,8 @@ def load(robot: str, *, calibrated: bool = False) -> Blueprint:
     """
     servos = {**_bundled("servos"), **library.beside(robot, "servos")}
     imus = {**_bundled("imus"), **library.beside(robot, "imus")}
-    files = Files(library.open_document("robots", robot), servos, _bundled("gaits"), imus=imus)
+    gaits = {**_bundled("gaits"), **library.beside(robot, "gaits")}
+    files = Files(library.open_document("robots", robot), servos, gaits, imus=imus)
     path = library.calibration_path(robot)
     if calibrated and path.exists():
         files = files._replace(calibration=Document.read(path))

@@ -4,12 +4,14 @@ import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from robotwalk import assembly
+from robotwalk.config import library
 from robotwalk.config.document import Document
 from robotwalk.errors import ConfigError
 from robotwalk.gait import Gait
@@ -143,3 +145,14 @@ def test_a_foot_swings_by_both_waves_and_their_derivatives_are_true(bias: float,
     assert skewed(0.0, bias).way.position == pytest.approx(0.0)
     assert skewed(1.0, bias).way.position == pytest.approx(1.0)
     assert skewed(0.5, bias).height.position == pytest.approx(1.0)
+
+
+def test_a_robot_of_ones_own_has_the_gaits_beside_it(tmp_path: Path) -> None:
+    (tmp_path / "gaits").mkdir()
+    (tmp_path / "own.yaml").write_text(library.open_document("robots", "quadruped").text)
+    (tmp_path / "gaits" / "limp.yaml").write_text(
+        "schema: 1\nname: limp\ndescription: x\nslowest_period_s: 2\n"
+        "swing: {lf: [[0, 0.1], [0.5, 0.6]], rf: [[0.2, 0.3]], lr: [[0.7, 0.8]], rr: [[0.3, 0.4]]}\n")
+    gaits = assembly.load(str(tmp_path / "own.yaml")).gaits
+    assert {"limp", "trot"} <= set(gaits)
+    assert len(gaits["limp"].feet[0]) == 2
