@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from robotwalk.config.schema import GaitConfig
 from robotwalk.errors import UsageError
+from robotwalk.free_stepping import FreeStepping, SteppingCircles
 from robotwalk.model import RobotModel
 from robotwalk.oscillator import skewed
 from robotwalk.swing_paths import SwingPath
@@ -85,6 +86,10 @@ class Gait:
         # None: the legs' own
         self.swing_path = None if config.bias is None else SwingPath(partial(skewed, bias=config.bias))
         self.supports = self._supports()
+        # None: the needle tells when a foot lifts off
+        self.free: FreeStepping | None = None
+        if isinstance(config, SteppingCircles):
+            self.free = FreeStepping(config.stepping, model, self.slowest_period)
         self._model = model
 
     @property

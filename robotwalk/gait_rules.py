@@ -9,9 +9,11 @@ from robotwalk.config.schema import (
     GaitConfig,
     OffsetsConfig,
     OscillatorConfig,
+    SteppingConfig,
     TimingConfig,
     WaveConfig,
 )
+from robotwalk.free_stepping import circles
 from robotwalk.model import Leg
 from robotwalk.oscillator import swing_share
 
@@ -37,6 +39,9 @@ def fitted(config: AnyGaitConfig, legs: Sequence[Leg]) -> GaitConfig | None:
     """Return a gait as sectors for these legs; None if it is not for them."""
     if isinstance(config, GaitConfig):
         return config if set(config.swing) == {leg.name for leg in legs} else None
+    if isinstance(config, SteppingConfig):
+        grouped = {leg for group in config.groups for leg in group}
+        return circles(config) if grouped == {leg.name for leg in legs} else None
     if isinstance(config, WaveConfig):
         if not config.legs[0] <= len(legs) <= config.legs[1]:
             return None

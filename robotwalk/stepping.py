@@ -13,6 +13,7 @@ from typing import NamedTuple
 from robotwalk.body import advanced, placed
 from robotwalk.contact import Sense
 from robotwalk.foot import Foot
+from robotwalk.free_stepping import FreeStepping, passing
 from robotwalk.gait import Gait, GaitClock, Sector
 from robotwalk.model import ContactSettings, Leg, RobotModel
 from robotwalk.orientation import GroundPlane
@@ -91,12 +92,12 @@ class Stepping:
             for index, foot in enumerate(self._feet):
                 if foot.sector is None:
                     wait = gait.until_lift_off(index, phase) * clock.period
-                    (dx, dy), (ux, uy) = foot.offset(course), _passing(foot.leg, twist)
+                    (dx, dy), (ux, uy) = foot.offset(course), passing(foot.leg, twist)
                     stretch = max(stretch, math.hypot(dx - ux * wait, dy - uy * wait))
             return stretch
 
         phase = min(candidates, key=longest_stretch)
-        share = self._bearable(gait, phase, clock.period, course, twist)
+        share = self._bearable(gait, self._waits(gait, phase, clock.period, course, twist), course, twist)
         if share >= 1.0:
             clock.change(gait, phase)
         return share
@@ -107,17 +108,27 @@ class Stepping:
         In a steady gait that is 1. It is less while a foot waits longer than its stride allows: after a change
         of gait, or when the body turns back on its way.
         """
-        return self._bearable(clock.gait, clock.phase, clock.period, course, twist)
+        return self._bearable(
+            clock.gait, self._waits(clock.gait, clock.phase, clock.period, course, twist), course, twist)
 
-    def _bearable(self, gait: Gait, phase: float, period: float, course: Pose, twist: Twist) -> float:
+    def _waits(self, gait: Gait, phase: float, period: float, course: Pose, twist: Twist) -> list[float]:
+        """Return how long each foot would have to wait for its lift-off, s."""
+        if gait.free is not None:
+            return gait.free.waits(self._feet, course, twist, self._swing_time(gait, period))
+        return [
+            0.0 if self._due(foot, index, gait, phase) is not None else gait.until_lift_off(index, phase) * period
+            for index, foot in enumerate(self._feet)]
+
+    def _swing_time(self, gait: Gait, period: float) -> float:
+        return max(gait.feet[0][0].length * period, self._min_swing)
+
+    def _bearable(self, gait: Gait, waits: Sequence[float], course: Pose, twist: Twist) -> float:
         share = 1.0
-        for index, foot in enumerate(self._feet):
+        for foot, wait, sense in zip(self._feet, waits, self._senses, strict=True):
             if foot.sector is not None:
                 continue
-            due = self._due(foot, index, gait, phase) is not None
-            wait = 0.0 if due else gait.until_lift_off(index, phase) * period
-            (dx, dy), (ux, uy) = foot.offset(course), _passing(foot.leg, twist)
-            limit = (_STRETCH if self._senses[index] is None else _FARTHEST) * foot.leg.max_stride
+            (dx, dy), (ux, uy) = foot.offset(course), passing(foot.leg, twist)
+            limit = (_STRETCH if sense is None or gait.free is not None else _FARTHEST) * foot.leg.max_stride
             wx, wy = ux * wait, uy * wait
             if (dx - wx) ** 2 + (dy - wy) ** 2 > limit * limit:
                 # The share s at which |d - s w| meets the limit; going back towards rest is always allowed.
@@ -161,12 +172,15 @@ class Stepping:
         loads = loads or (0.0,) * len(self._feet)
         for index, foot in enumerate(self._feet):
             if foot.sector is not None:
-                self._move(index, foot, foot.sector, clock.period, course, twist, dt, up)
+                self._move(index, foot, foot.sector, clock, course, twist, dt, up)
                 if foot.sector is None:
                     foot.spent = clock.gait.sector_at(index, clock.phase)
             else:
                 foot.settle(dt)
                 self._keep_ground(foot, self._senses[index], clock.gait.feet[index][0], loads[index], dt)
+        if clock.gait.free is not None:
+            self._step_freely(clock.gait.free, clock, course, twist, dt, hold, up)
+            return self.footfalls()
         # Landings come first: a foot that waited for one lifts off in the same tick.
         in_air = {index for index, foot in enumerate(self._feet) if foot.sector is not None}
         for index, foot in enumerate(self._feet):
@@ -181,8 +195,19 @@ class Stepping:
             in_air.add(index)
             share = (1.0 - sector.progress(clock.phase)) * sector.length
             foot.lift_off(sector, share, clock.gait.swing_path, foot.leg.lift + self._caution)
-            self._move(index, foot, sector, clock.period, course, twist, dt, up)
+            self._move(index, foot, sector, clock, course, twist, dt, up)
         return self.footfalls()
+
+    def _step_freely(
+        self, free: FreeStepping, clock: GaitClock, course: Pose, twist: Twist, dt: float, hold: bool, up: Vec3
+    ) -> None:
+        """Lift the feet off that cannot stay where they are."""
+        if hold:
+            return
+        for index in free.due(self._feet, course, twist, self._swing_time(clock.gait, clock.period)):
+            foot, sector = self._feet[index], clock.gait.feet[index][0]
+            foot.lift_off(sector, sector.length, clock.gait.swing_path, foot.leg.lift + self._caution)
+            self._move(index, foot, sector, clock, course, twist, dt, up)
 
     def footfalls(self) -> Footfalls:
         """Return the feet as they are."""
@@ -210,7 +235,7 @@ class Stepping:
         return sector
 
     def _move(
-        self, index: int, foot: Foot, sector: Sector, period: float, course: Pose, twist: Twist, dt: float, up: Vec3
+        self, index: int, foot: Foot, sector: Sector, clock: GaitClock, course: Pose, twist: Twist, dt: float, up: Vec3
     ) -> None:
         """Carry a foot on by a tick."""
         sense = self._senses[index]
@@ -220,12 +245,15 @@ class Stepping:
             return
         swing = foot.swing
         assert swing is not None
-        seconds = max(foot.share * period, foot.slowest(self._min_swing))
-        if contact is not None and seconds > foot.share * period:
+        seconds = max(foot.share * clock.period, foot.slowest(self._min_swing))
+        if contact is not None and seconds > foot.share * clock.period:
             foot.overdue = True
         if swing.progress <= _LATEST_RETARGET:
-            remaining = (1.0 - swing.progress) * seconds
-            x, y = footprint(foot.leg, course, twist, remaining - dt + 0.5 * sector.stance * period)
+            remaining = (1.0 - swing.progress) * seconds - dt
+            if clock.gait.free is not None:
+                x, y = clock.gait.free.footprint(index, foot.leg, course, twist, remaining)
+            else:
+                x, y = footprint(foot.leg, course, twist, remaining + 0.5 * sector.stance * clock.period)
             foot.target = Vec3(x, y, self._ground + self._plane.at(course, x, y))
             swing.retarget(foot.target if contact is None else foot.target._replace(z=foot.target.z - _PRESS))
         foot.place = swing.step(dt, seconds, up)
@@ -324,8 +352,3 @@ class Stepping:
 def footprint(leg: Leg, course: Pose, twist: Twist, seconds: float) -> tuple[float, float]:
     """Return where a foot belongs whose coming stance has its middle in `seconds`, in odom, m."""
     return placed(advanced(course, twist, seconds), leg.rest_foot)
-
-
-def _passing(leg: Leg, twist: Twist) -> tuple[float, float]:
-    """Return the velocity at which the body passes over a leg's rest position, in the body's axes, m/s."""
-    return twist.vx - twist.wz * leg.rest_foot.y, twist.vy + twist.wz * leg.rest_foot.x

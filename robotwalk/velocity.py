@@ -40,7 +40,7 @@ class Propulsion:
 
     def step(self, clock: GaitClock, planted: Sequence[bool], idle: bool) -> bool:
         """Look at the feet once a tick."""
-        if idle:
+        if idle or clock.gait.free is not None:  # there is no saying which half of its stance a foot is in
             self._rested = [True] * len(planted)
             return True
         pushes = False

@@ -284,6 +284,49 @@ class OscillatorConfig(TimingConfig):
     bias: Bias  # over 0 the stance is longer than the swing, below 0 shorter
 
 
-AnyGaitConfig = GaitConfig | WaveConfig | OffsetsConfig | OscillatorConfig
+def _spanning(curve: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    places = [place for place, _ in curve]
+    if places[0] != -1.0 or places[-1] != 1.0 or places != sorted(set(places)):
+        raise ValueError("should go from -1, straight back, to 1, straight ahead")
+    return curve
+
+
+Offset = tuple[float, Annotated[float, Field(gt=0, le=0.5)]]
+OffsetCurve = Annotated[list[Offset], Field(min_length=2), AfterValidator(_spanning)]
+_FARTHEST = 0.55  # of its largest stride that a foot may be from rest
+
+
+class SteppingConfig(TimingConfig):
+    """Feet that step when they have come too far from rest, group by group, without a clock (LAYER, leg groups).
+
+    An offset curve gives a share of the leg's largest stride over the cosine of the angle to straight ahead.
+    """
+
+    kind: Literal["stepping"]
+    # Of legs that may be in the air at once.
+    groups: Annotated[list[Annotated[list[str], Field(min_length=1)]], Field(min_length=2)]
+    allowed: OffsetCurve  # from rest before a foot wants to step
+    allowed_of: dict[str, OffsetCurve] = {}  # for legs of which it differs
+    overshoot: Annotated[float, Field(gt=0, le=1)]  # of what is allowed that way, beyond rest
+    largest_angle_deg: Positive  # about the body's middle, from rest
+    escape: Annotated[float, Field(gt=1)]  # times what is allowed: from there on a foot steps out of turn
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        legs = [leg for group in self.groups for leg in group]
+        if twice := {leg for leg in legs if legs.count(leg) > 1}:
+            raise ValueError(f"each leg should be in one group, not {', '.join(sorted(twice))} in several")
+        if strangers := set(self.allowed_of) - set(legs):
+            raise ValueError(f"allowed_of names legs that are in no group: {', '.join(sorted(strangers))}")
+        farthest = self.escape * max(share for curve in (self.allowed, *self.allowed_of.values()) for _, share in curve)
+        if farthest > _FARTHEST:
+            raise ValueError(f"escape times what is allowed should be {_FARTHEST} strides at most, not {farthest:.3g}")
+        if self.balance is not None or self.rocking > 0.0:
+            raise ValueError("a body is shifted and rocked by a clock: neither balance nor rocking is for stepping")
+        return self
+
+
+AnyGaitConfig = GaitConfig | WaveConfig | OffsetsConfig | OscillatorConfig | SteppingConfig
 GAIT_KINDS: dict[str, type[AnyGaitConfig]] = {
-    "sectors": GaitConfig, "wave": WaveConfig, "offsets": OffsetsConfig, "oscillator": OscillatorConfig}
+    "sectors": GaitConfig, "wave": WaveConfig, "offsets": OffsetsConfig, "oscillator": OscillatorConfig,
+    "stepping": SteppingConfig}

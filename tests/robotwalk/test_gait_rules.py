@@ -29,6 +29,7 @@ LIBRARY = {
     ("hexapod", "tetrapod"): ("lf rm, lr rf, lm rr", 2 / 3),
     ("hexapod", "ripple"): ("lr, rf, lm, rr, lf, rm", 2 / 3),
     ("hexapod", "stroll"): ("lf lr rm, lm rf rr", 0.5624),
+    ("hexapod", "free"): ("lf lr rm, lm rf rr", 0.6494),
     ("hexapod", "wave"): ("lr, lm, lf, rr, rm, rf", 5 / 6),
     ("octopod", "tetrapod"): ("lf lmr rmf rr, lmf lr rf rmr", 1 / 2),
     ("octopod", "ripple"): ("lf rmr, lr rmf, lmr rf, lmf rr", 3 / 4),
@@ -42,6 +43,7 @@ LIBRARY = {
     ("quadruped", "rotary_gallop"): ("lf, rf, rr, lr", 0.35),
     ("quadruped", "pronk"): ("lf lr rf rr", 0.4),
     ("quadruped", "amble"): ("lf, rr, rf, lr", 3 / 4),
+    ("quadruped", "free"): ("lf rr, lr rf", 0.6897),
     ("quadruped", "trot"): ("lf rr, lr rf", 0.58),
 }
 
@@ -124,7 +126,7 @@ def test_a_foot_is_in_the_air_for_as_long_as_its_wave_is_positive(bias: float) -
 
 
 @pytest.mark.parametrize(("text", "complaint"), [
-    ("kind: waves\n", "own.yaml:1:7: kind: expected one of sectors, wave, offsets, oscillator (got 'waves')"),
+    ("kind: waves\n", "own.yaml:1:7: kind: expected one of sectors, wave, offsets, oscillator, stepping (got 'waves')"),
     ("kind: wave\npaus: 0.1\n", "own.yaml:2:1: unknown key 'paus': did you mean 'pause'?"),
     ("kind: offsets\nlegs: 5\n", "own.yaml:2:7: legs: expected a multiple of 2 (got 5)"),
     ("kind: wave\nlegs: [6, 5]\n", "own.yaml:2:7: legs: should be [fewest, most] (got [6, 5])"),
