@@ -24,6 +24,7 @@ from robotwalk.types import LEVEL, STILL, Command, Pose, Twist, Vec3
 from robotwalk.unfold import Unfold
 from robotwalk.velocity import Propulsion, Shaped, VelocityShaper, feasible
 
+_SAME_PLACE = 0.15  # m; a hole may swallow one foot, an edge another one right after it
 _HEADING_GAIN = 2.0  # rad/s per rad off the heading
 _ROUNDING = 1e-9
 
@@ -82,6 +83,8 @@ class Controller:
         self._loads: Sequence[float] = ()
         self._felt = False  # the feet feel the ground
         self._pace = Pace()
+        self._found_none = False  # in the last tick a foot was giving up
+        self._gave_up_at: Pose | None = None
         self._edge: Twist | None = None  # the way on which there was no ground
         self._sway = Sway(model)
         self._rocking = Rocking(model)
@@ -147,9 +150,13 @@ class Controller:
         return self._shaper.step(twist, gait, dt, share, pushes=pushes), bearable
 
     def _at_edge(self, wanted: Twist) -> bool:
-        """Tell whether there is no ground that way: a foot has looked for it in vain."""
-        if self._footfalls.no_ground:
-            self._edge = wanted
+        """Tell whether there is no ground that way: feet have looked for it in vain, twice at about one place."""
+        found_none, self._found_none = self._found_none, self._footfalls.no_ground
+        if self._found_none and not found_none:
+            here = self._body.course
+            before, self._gave_up_at = self._gave_up_at, here
+            if before is not None and math.hypot(here.x - before.x, here.y - before.y) < _SAME_PLACE:
+                self._edge = wanted
         elif self._edge is not None and self._edge.vx * wanted.vx + self._edge.vy * wanted.vy <= 0.0:
             self._edge = None
         return self._edge is not None

@@ -218,7 +218,7 @@ class Stepping:
             tuple(foot.stood for foot in self._feet),
             any(self._is_late(foot) for foot in self._feet),
             any(foot.search is not None and foot.search.phase is not Phase.DOWN for foot in self._feet),
-            any(foot.search is not None and foot.search.gave_up for foot in self._feet),
+            any(foot.search is not None and foot.search.gave_up and foot.bumps == 0 for foot in self._feet),
         )
 
     def _is_late(self, foot: Foot) -> bool:

@@ -11,10 +11,12 @@ _STILL = Plan(speed=0.0, direction=0.0, heading=None, turn=0.0, height=None, dur
 
 
 def walk(
-    robot: str | assembly.Blueprint, *, rate_hz: int = 100, seed: int = 0, faults: assembly.Script = (), **plan: Any
+    robot: str | assembly.Blueprint, *, rate_hz: int = 100, seed: int = 0, faults: assembly.Script = (),
+    terrain: str = "flat", **plan: Any,
 ) -> dict[str, Any]:
     """Walk by a plan (SI, radians) and return the report."""
-    outing = Outing(assembly.simulate(robot, rate_hz=rate_hz, seed=seed, faults=faults), _STILL._replace(**plan))
+    simulation = assembly.simulate(robot, rate_hz=rate_hz, seed=seed, faults=faults, terrain=terrain)
+    outing = Outing(simulation, _STILL._replace(**plan))
     outing.run(lambda text, share: None)
     return outing.report()
 

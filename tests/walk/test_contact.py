@@ -1,0 +1,54 @@
+"""The hexapod feels the ground and walks over it, judged by what its body really does."""
+
+from functools import partial
+
+import pytest
+
+from robotwalk import assembly
+
+from . import contact_rig, rig
+
+walk = partial(rig.walk, "hexapod")
+
+
+def test_touchdowns_are_felt_soon_and_hardly_any_that_are_none() -> None:
+    figures = contact_rig.measure("hexapod", "rough_30", speed=0.06, seconds=8.0)
+    assert figures.touchdowns >= 20
+    assert figures.delay_ms <= 40.0
+    assert figures.missed <= 0.2 * figures.touchdowns
+    assert figures.false <= 0.1 * figures.touchdowns
+
+
+def test_up_a_ramp_the_body_lies_as_the_ground_does() -> None:
+    report = walk(terrain="ramp_15", speed=0.06, duration=15.0)
+    assert not report["fell"]
+    assert report["distance_m"] > 0.75 * 0.9
+    assert 12.0 < report["max_tilt_deg"] < 17.0
+
+
+def test_it_climbs_stairs_that_a_blind_tripod_does_not() -> None:
+    report = walk(terrain="stairs_40", speed=0.06, duration=16.0)
+    assert not report["fell"]
+    assert report["distance_m"] > 0.75 * 0.96
+    assert report["max_tilt_deg"] < 16.0
+
+
+def test_it_stops_at_a_precipice_and_stands() -> None:
+    simulation = assembly.simulate("hexapod", terrain="cliff")
+    with simulation.robot as robot:
+        robot.stand()
+        robot.walk(vx=0.06, seconds=12.0)
+        assert [event.kind for event in robot.events].count("edge") == 1
+        truth = simulation.world.truth()
+        assert abs(truth.base.pitch) < 0.06
+        assert truth.base.x < 0.42  # the edge
+        assert truth.base.z > 0.09
+        robot.walk(vx=-0.06, seconds=4.0)  # there is ground that way
+        assert simulation.world.truth().base.x < truth.base.x - 0.05
+
+
+def test_it_goes_down_an_edge_of_five_centimetres() -> None:
+    report = walk(terrain="drop_50", speed=0.06, duration=14.0)
+    assert not report["fell"]
+    assert not any(event["kind"] == "edge" for event in report["events"])
+    assert report["displacement"]["z"] == pytest.approx(-0.05, abs=0.02)
