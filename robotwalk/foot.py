@@ -10,6 +10,8 @@ from robotwalk.swing import Swing
 from robotwalk.swing_paths import SwingPath
 from robotwalk.types import Pose, Vec3
 
+_AT_REST = 1.5e-3  # m; a foot this near its rest position need not step
+_NEAR_REST = 10e-3  # m, where feet stand as they find the ground
 _SETTLING = 0.05  # s in which a foot that was told to be elsewhere comes to rest where it stands
 
 
@@ -87,6 +89,10 @@ class Foot:
     def displacement(self, course: Pose) -> float:
         """Return how far the foot is from its rest position, m."""
         return math.hypot(*self.offset(course))
+
+    def at_rest(self, course: Pose) -> bool:
+        """Tell whether the foot is so near its rest position that it need not step."""
+        return self.displacement(course) <= (_NEAR_REST if self.found else _AT_REST)
 
     def lift_off(self, sector: Sector, share: float, path: SwingPath | None, lift: float) -> None:
         """Begin a swing, along another path than the leg's own if there is one."""

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 _SLACK = 0.9  # of the way between rest and the limits that a steady walk at full speed takes
 _DIRECTIONS = 32
 _NO_SPEED = 1e-9  # m/s; slower is standing still
-_AT_REST = 1.5e-3  # m; the body standing, a foot this near its rest position need not step
 
 Curve = Sequence[tuple[float, float]]
 
@@ -152,9 +151,9 @@ class FreeStepping:
             for index, foot in enumerate(feet)]
 
     def _until_too_far(self, index: int, foot: "Foot", course: Pose, twist: Twist) -> float:
-        dx, dy = foot.offset(course)
         if twist == STILL:
-            return 0.0 if math.hypot(dx, dy) > _AT_REST else math.inf
+            return math.inf if foot.at_rest(course) else 0.0
+        dx, dy = foot.offset(course)
         if self._stretch(index, foot, course) >= 1.0:
             return 0.0
         ux, uy = passing(foot.leg, twist)

@@ -22,8 +22,6 @@ from robotwalk.statics import GRAVITY
 from robotwalk.swing import Swing
 from robotwalk.types import STILL, UP, Pose, Twist, Vec3
 
-_AT_REST = 1.5e-3  # m; a foot this near its rest position need not step
-_NEAR_REST = 10e-3  # m, where feet stand as they find the ground
 _LATEST_LIFTOFF = 0.6  # of a sector; a foot held back for longer sits this swing out
 _LATEST_RETARGET = 0.5  # of a swing
 _NEARLY_OVER = 0.97  # of a sector, at which the needle waits for a swing that goes on
@@ -150,11 +148,7 @@ class Stepping:
 
     def settled(self, course: Pose, *, anywhere: bool = False) -> bool:
         """Tell whether all feet stand at rest below the body, or `anywhere`."""
-        return all(foot.sector is None and (anywhere or self._at_rest(foot, course)) for foot in self._feet)
-
-    @staticmethod
-    def _at_rest(foot: Foot, course: Pose) -> bool:
-        return foot.displacement(course) <= (_NEAR_REST if foot.found else _AT_REST)
+        return all(foot.sector is None and (anywhere or foot.at_rest(course)) for foot in self._feet)
 
     def step(
         self, clock: GaitClock, course: Pose, twist: Twist, dt: float, *, hold: bool = False, up: Vec3 = UP,
@@ -189,7 +183,7 @@ class Stepping:
             if foot.spent is not clock.gait.sector_at(index, clock.phase):
                 foot.spent = None
             sector = self._due(foot, index, clock.gait, clock.phase)
-            idle = twist == STILL and self._at_rest(foot, course)
+            idle = twist == STILL and foot.at_rest(course)
             if sector is None or idle or hold or not clock.gait.lifts_together(in_air | {index}):
                 continue
             in_air.add(index)
