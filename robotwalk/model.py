@@ -119,7 +119,6 @@ class ContactSettings(NamedTuple):
     reach_down: float  # m
     search: bool
     slip: bool
-    stance: bool
 
 
 class OrientationSettings(NamedTuple):
@@ -224,8 +223,7 @@ def _reactions(config: ReactionConfig, legs: Iterable[str]) -> Reactions:
 
 def _contact(config: ContactConfig | None) -> ContactSettings | None:
     return None if config is None else ContactSettings(
-        config.early_touchdown, config.step_over, _metres(config.reach_down_mm), config.search, config.slip,
-        config.stance)
+        config.early_touchdown, config.step_over, _metres(config.reach_down_mm), config.search, config.slip)
 
 
 def _orientation(config: OrientationConfig | None) -> OrientationSettings | None:

@@ -182,7 +182,6 @@ class ContactConfig(Section):
     reach_down_mm: Annotated[float, Field(ge=0)] = 60.0  # how far below the expected ground a foot feels for it
     search: bool = True  # and then around
     slip: bool = True  # a foot that loses its load steps anew
-    stance: bool = True  # a foot out of its place at idle, or over-stretched, steps back
 
 
 class LocomotionConfig(Section):
