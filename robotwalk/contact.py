@@ -78,13 +78,16 @@ class FootSense:
                 continue
             force = _force(leg, drives, last, now, dt)
             load = force.x * up.x + force.y * up.y + force.z * up.z
-            felt.append(Felt(force, load, self._judge(index, load, _hidden(leg, drives))))
+            felt.append(Felt(force, load, self._judge(index, load, leg, drives)))
         return tuple(felt)
 
-    def _judge(self, index: int, load: float, hidden: float) -> bool:
+    def _judge(self, index: int, load: float, leg: LegStatics, drives: Sequence[DriveResponse]) -> bool:
         """Tell whether a foot touches, once measurements agree."""
-        least = _LEAST * self._weight + hidden
-        touching = self._touching[index]
+        least, touching = _LEAST * self._weight, self._touching[index]
+        if not touching and load <= least:  # whatever friction hides
+            self._doubts[index] = 0
+            return False
+        least += _hidden(leg, drives)
         against = load < _LET_GO * least if touching else load > least
         self._doubts[index] = self._doubts[index] + 1 if against else 0
         if self._doubts[index] >= _AGREEING:

@@ -241,8 +241,8 @@ class Controller:
             if foot is None or felt is None:
                 senses.append(None)
                 continue
-            x, y, z = in_odom(pose, foot._replace(z=foot.z - give.at(foot)))
-            senses.append(Sense(Vec3(pose.x + x, pose.y + y, pose.z + z), in_odom(pose, felt.force), felt.touching))
+            (x, y, z), push = in_odom(pose, (foot._replace(z=foot.z - give.at(foot)), felt.force))
+            senses.append(Sense(Vec3(pose.x + x, pose.y + y, pose.z + z), push, felt.touching))
         return senses
 
     def _angles(self, footfalls: Footfalls) -> tuple[list[float], float]:
