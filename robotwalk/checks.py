@@ -136,10 +136,10 @@ class Balance(NamedTuple):
 def gait_reach(model: RobotModel, gait: Gait) -> GaitReach:
     """Try each leg's longest swings, in all directions, at all heights."""
     miss, tightest = 0.0, Margin(math.inf, "", 0.0, 0.0, 0.0)
-    for leg, sectors in zip(model.legs, gait.feet, strict=True):
+    for leg, stride, sectors in zip(model.legs, gait.strides, gait.feet, strict=True):
         solver = solver_for(leg)
         body_way = max(sector.length / sector.stance for sector in sectors)
-        for target in _longest_swings(model, leg, gait.swing_path or leg.swing_path, body_way):
+        for target in _longest_swings(model, leg, stride, gait.swing_path or leg.swing_path, body_way):
             solution = solver.solve(*target)
             miss = max(miss, solution.miss)
             tightest = min(tightest, *_margins(leg, solution))
@@ -149,8 +149,8 @@ def gait_reach(model: RobotModel, gait: Gait) -> GaitReach:
 def gait_speed(model: RobotModel, gait: Gait) -> float:
     """Return how fast a gait can go straight ahead, m/s."""
     ahead = min(
-        leg.max_stride / (stance * gait.fastest_period)
-        for leg, stance in zip(model.legs, gait.longest_stance, strict=True))
+        stride / (stance * gait.fastest_period)
+        for stride, stance in zip(gait.strides, gait.longest_stance, strict=True))
     return min(ahead, model.motion.speed)
 
 
@@ -176,7 +176,9 @@ def balance(model: RobotModel, gait: Gait) -> Balance:
     return Balance(gait.name, worst)
 
 
-def _longest_swings(model: RobotModel, leg: Leg, path: SwingPath, body_way: float) -> Iterator[Vec3]:
+def _longest_swings(
+    model: RobotModel, leg: Leg, stride: float, path: SwingPath, body_way: float
+) -> Iterator[Vec3]:
     """Return points of a leg's longest swings through its rest position, ends included, in the base frame.
 
     During a swing the body moves on by `body_way` strides, evenly, while the foot starts and lands at rest: first
@@ -188,7 +190,7 @@ def _longest_swings(model: RobotModel, leg: Leg, path: SwingPath, body_way: floa
             for moment in _MOMENTS:
                 point = path.at(moment)
                 way = point.way.position
-                offset = leg.max_stride * (way - 0.5 + body_way * (way - moment))
+                offset = stride * (way - 0.5 + body_way * (way - moment))
                 yield Vec3(
                     leg.rest_foot.x + offset * math.cos(angle), leg.rest_foot.y + offset * math.sin(angle),
                     model.foot_radius - height + leg.lift * point.height.position)

@@ -74,6 +74,7 @@ class Gait:
                 f"robot {model.name!r} has {', '.join(sorted(legs))}")
         self.name = config.name
         self.feet = tuple(_sectors(config.swing[leg]) for leg in legs)
+        self.strides = tuple(config.stride_share * leg.max_stride for leg in model.legs)  # m, the largest
         self.longest_stance = tuple(max(sector.stance for sector in sectors) for sectors in self.feet)
         shortest_swing = min(sector.length for sectors in self.feet for sector in sectors)
         self.fastest_period = max(_SLACK * model.motion.min_swing / shortest_swing, config.fastest_period_s or 0.0)
@@ -135,17 +136,17 @@ class Gait:
     def largest_scale(self, twist: Twist) -> float:
         """Return by how much a twist may be multiplied before a leg's stride is too long, even hurrying."""
         scale = math.inf
-        for leg, stance, speed in zip(self._model.legs, self.longest_stance, self.foot_speeds(twist), strict=True):
+        for stride, stance, speed in zip(self.strides, self.longest_stance, self.foot_speeds(twist), strict=True):
             if speed > _NO_SPEED:
-                scale = min(scale, leg.max_stride / (speed * stance * self.fastest_period))
+                scale = min(scale, stride / (speed * stance * self.fastest_period))
         return scale
 
     def period(self, twist: Twist, wanted: float | None = None) -> float:
         """Return the period for a twist, s: the `wanted` or slowest, unless a stride would be longer than its leg's."""
         period = self.slowest_period if wanted is None else wanted
-        for leg, stance, speed in zip(self._model.legs, self.longest_stance, self.foot_speeds(twist), strict=True):
+        for stride, stance, speed in zip(self.strides, self.longest_stance, self.foot_speeds(twist), strict=True):
             if speed > _NO_SPEED:
-                period = min(period, leg.max_stride / (speed * stance))
+                period = min(period, stride / (speed * stance))
         return max(period, self.fastest_period)
 
     def foot_speeds(self, twist: Twist) -> list[float]:

@@ -234,6 +234,7 @@ class TimingConfig(Section):
     description: str
     slowest_period_s: Positive
     fastest_period_s: Positive | None = None  # None: as fast as the feet can swing
+    stride_share: Annotated[float, Field(gt=0, le=1)] = 1.0  # of each leg's largest stride, that the gait may take
     balance: BalanceConfig | None = None  # None: the body keeps to its course
     rocking: Annotated[float, Field(ge=0, le=1)] = 0.0  # share of what would keep the body from tipping; 0: none
 

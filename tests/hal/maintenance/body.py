@@ -35,8 +35,7 @@ class Body(NamedTuple):
 
     def weld(self, joint: str) -> None:
         """Hold a joint with more than any servo has."""
-        world = self.robot.world
-        world.model.dof_damping[6 + self.blueprint.model.joint_names.index(joint)] = 1e6
+        self.robot.world.jam(self.blueprint.model.joint_names.index(joint))
 
     def each_step(self, action: Callable[[], None]) -> None:
         self.robot.observers.append(action)

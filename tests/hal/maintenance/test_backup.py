@@ -143,7 +143,7 @@ def test_what_was_changed_before_a_refusal_is_told() -> None:
     servo.write("temperature_limit", 60)
     servo.write("shutdown", 4)
     write = built.servos[0].write
-    built.servos[0].write = lambda address, data: None if address == 63 else write(address, data)
+    built.servos[0].write = lambda address, data, **how: None if address == 63 else write(address, data, **how)
     with pytest.raises(ServoError, match=r"did not take shutdown = 52 .*\. Changed before that: temperature_limit$"):
         built.bench.restore(servo, saved, with_id=False)
 

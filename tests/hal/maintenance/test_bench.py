@@ -43,7 +43,7 @@ def test_torque_that_stays_on_is_told(name: str) -> None:
     built = rig(name, 1, 2)
     for servo in built.bench.servos([1, 2]):
         servo.write("torque_enable", 1)
-    built.servos[1].write = lambda address, data: None
+    built.servos[1].write = lambda address, data, **how: None
     with pytest.raises(ServoError, match=r"torque is still on: id 2"):
         built.bench.torque_off()
 
