@@ -1,4 +1,4 @@
-"""AX-12A servos on a simulated bus, the first of which turns a shaft."""
+"""AX-12A servos on a simulated bus, each of which turns a shaft; what is asked of it is the first one's."""
 
 from typing import Any
 
@@ -33,7 +33,6 @@ class AxBus(Turning):
         self.run(0.01)
 
     def run(self, seconds: float) -> None:
-        """The first servo turns a hinge; the others' shafts stand still where that one's is."""
         for _ in range(round(seconds * 1000)):
             self.now += MS
             self.hinge.step(self.now)

@@ -42,21 +42,24 @@ class Registers:
 
 
 class Hinge:
-    """One servo's shaft on a hinge in MuJoCo, with little on it but its own gears."""
+    """Each servo's shaft on a hinge in MuJoCo, with little on it but its own gears. What is told is the first one's."""
 
     def __init__(self, physics: ServoPhysics, spring: float = 0.0, ball: float = 0.02) -> None:
         spec = mujoco.MjSpec()
         spec.option.timestep = 0.001
         spec.option.gravity = [0.0, 0.0, 0.0]
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        body = spec.worldbody.add_body()
-        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1], stiffness=spring)
-        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=[_ARM, 0, 0], size=[0.01, 0, 0], mass=ball)
+        count = len(physics.models)
+        for index in range(count):
+            body = spec.worldbody.add_body(pos=[index, 0, 0])
+            body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1], stiffness=spring)
+            body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=[_ARM, 0, 0], size=[0.01, 0, 0], mass=ball)
         self._ball = ball
         self._mujoco = spec.compile()
         self.data = mujoco.MjData(self._mujoco)
         self._shafts = Shafts(
-            self._mujoco, self.data, physics, first_angle=0, first_dof=0, direction=np.ones(1), zero=np.zeros(1))
+            self._mujoco, self.data, physics, first_angle=0, first_dof=0, direction=np.ones(count),
+            zero=np.zeros(count))
 
     def load(self, torque: float) -> None:
         """Have a torque act on the shaft (N m, while it is near 0): gravity on the ball."""
