@@ -22,6 +22,7 @@ _LEAST = 0.05  # of the weight, that a foot must bear to be taken for standing; 
 _LET_GO = 0.7  # of that; a foot that bears less stands no more
 _LEVER = 0.5  # of its largest, at which friction in a joint is reckoned at the foot
 _SPREAD = 4e-4  # m^2
+_INERTIA_UNKNOWN = 0.5  # of a joint's, that may be otherwise
 _AGREEING = 2  # measurements in a row that are believed; gears with backlash jolt
 
 
@@ -31,6 +32,7 @@ class Felt(NamedTuple):
     force: Vec3  # N, of the ground on it, in the base frame
     load: float  # N of it, upwards
     touching: bool  # bears a load worth a step
+    sure: bool  # more of it than a fast leg's inertia may feign
 
 
 class Sense(NamedTuple):
@@ -39,6 +41,7 @@ class Sense(NamedTuple):
     place: Vec3  # of its centre, m, as its joints tell
     push: Vec3  # N, of the ground on it
     touching: bool
+    sure: bool  # of that, however fast its leg is
 
 
 class _Sample(NamedTuple):
@@ -78,7 +81,9 @@ class FootSense:
                 continue
             force = _force(leg, drives, last, now, dt)
             load = force.x * up.x + force.y * up.y + force.z * up.z
-            felt.append(Felt(force, load, self._judge(index, load, leg, drives)))
+            touching = self._judge(index, load, leg, drives)
+            sure = touching and load > _LEAST * self._weight + _feigned(leg, drives, last, now, dt)
+            felt.append(Felt(force, load, touching, sure))
         return tuple(felt)
 
     def _judge(self, index: int, load: float, leg: LegStatics, drives: Sequence[DriveResponse]) -> bool:
@@ -101,6 +106,13 @@ def _hidden(leg: LegStatics, drives: Sequence[DriveResponse]) -> float:
     return max(
         drive.stiffness * drive.friction / (_LEVER * math.hypot(*column) + _DAMPING)
         for drive, column in zip(drives, leg.columns, strict=True))
+
+
+def _feigned(leg: LegStatics, drives: Sequence[DriveResponse], last: _Sample, now: _Sample, dt: float) -> float:
+    """Return the force at a foot, N, that may be inertia not known well enough."""
+    return _INERTIA_UNKNOWN * max(
+        drive.stiffness * drive.inertia * abs(speed - before) / dt / (_LEVER * math.hypot(*column) + _DAMPING)
+        for drive, column, speed, before in zip(drives, leg.columns, now.speeds, last.speeds, strict=True))
 
 
 def _sample(drives: Sequence[DriveResponse], efforts: Sequence[float], speeds: Sequence[float]) -> _Sample:

@@ -82,6 +82,7 @@ class Controller:
         self._footfalls = self._stepping.footfalls()
         self._loads: Sequence[float] = ()
         self._felt = False  # the feet feel the ground
+        self._fastest_foot = 0.0  # m/s over the ground, of the twist to go for
         self._pace = Pace()
         self._found_none = False  # in the last tick a foot was giving up
         self._gave_up_at: Pose | None = None
@@ -134,6 +135,7 @@ class Controller:
             twist = twist._replace(wz=min(max(turn, -limit), limit))
         gait, now, course = self._gaits[command.gait or self._default_gait], self._shaper.twist, self._foot_course
         aim = self._shaper.feasible(twist, gait)
+        self._fastest_foot = max(gait.foot_speeds(aim))
         share = bearable = self._stepping.bearable(self._clock, course, aim)
         faster = self._pace.step(aim, now, share, dt) if self._felt else 1.0
         # A slower gait takes over once the body is slow enough for it.
@@ -228,7 +230,8 @@ class Controller:
 
     def _senses(self, estimate: Estimate) -> list[Sense | None] | None:
         """Return what the feet feel in odom, by where the body is told to be."""
-        self._felt = self._model.contact is not None and bool(estimate.felt)
+        contact = self._model.contact
+        self._felt = contact is not None and self._fastest_foot <= contact.fastest and bool(estimate.felt)
         if not self._felt:
             return None
         senses: list[Sense | None] = []
@@ -242,7 +245,7 @@ class Controller:
                 senses.append(None)
                 continue
             (x, y, z), push = in_odom(pose, (foot._replace(z=foot.z - give.at(foot)), felt.force))
-            senses.append(Sense(Vec3(pose.x + x, pose.y + y, pose.z + z), push, felt.touching))
+            senses.append(Sense(Vec3(pose.x + x, pose.y + y, pose.z + z), push, felt.touching, felt.sure))
         return senses
 
     def _angles(self, footfalls: Footfalls) -> tuple[list[float], float]:

@@ -119,6 +119,7 @@ class ContactSettings(NamedTuple):
     reach_down: float  # m
     search: bool
     slip: bool
+    fastest: float  # m/s of any foot over the ground
 
 
 class OrientationSettings(NamedTuple):
@@ -223,7 +224,8 @@ def _reactions(config: ReactionConfig, legs: Iterable[str]) -> Reactions:
 
 def _contact(config: ContactConfig | None) -> ContactSettings | None:
     return None if config is None else ContactSettings(
-        config.early_touchdown, config.step_over, _metres(config.reach_down_mm), config.search, config.slip)
+        config.early_touchdown, config.step_over, _metres(config.reach_down_mm), config.search, config.slip,
+        math.inf if config.up_to_mps is None else config.up_to_mps)
 
 
 def _orientation(config: OrientationConfig | None) -> OrientationSettings | None:

@@ -161,8 +161,7 @@ class Stepping:
         """
         self._plane = plane
         self._phase = clock.phase
-        if senses is not None:
-            self._senses = senses
+        self._senses = senses if senses is not None else (None,) * len(self._feet)
         loads = loads or (0.0,) * len(self._feet)
         for index, foot in enumerate(self._feet):
             if foot.sector is not None:
@@ -277,7 +276,7 @@ class Stepping:
         if contact.step_over and foot.struck_for > _STRUCK_FOR:
             self._step_over(foot, sector, sense, contact)
         elif (
-            contact.early_touchdown and swing.progress >= _COMING_DOWN and sense.touching
+            contact.early_touchdown and swing.progress >= _COMING_DOWN and sense.sure
             and above > _AS_EXPECTED
         ):
             self._be_surprised(above)

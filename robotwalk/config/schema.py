@@ -182,6 +182,7 @@ class ContactConfig(Section):
     reach_down_mm: Annotated[float, Field(ge=0)] = 60.0  # how far below the expected ground a foot feels for it
     search: bool = True  # and then around
     slip: bool = True  # a foot that loses its load steps anew
+    up_to_mps: Positive | None = None  # of any foot over the ground; faster, it is felt too late. None: always
 
 
 class LocomotionConfig(Section):

@@ -52,3 +52,9 @@ def test_it_goes_down_an_edge_of_five_centimetres() -> None:
     assert not report["fell"]
     assert not any(event["kind"] == "edge" for event in report["events"])
     assert report["displacement"]["z"] == pytest.approx(-0.05, abs=0.02)
+
+
+def test_it_walks_fast_without_waiting_for_what_it_feels() -> None:
+    report = walk(speed=0.20, duration=5.0)
+    assert report["distance_m"] == pytest.approx(1.0, rel=0.12)
+    assert report["max_tilt_deg"] < 4.0
