@@ -22,7 +22,7 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "servos").mkdir()
     (tmp_path / "servos" / "xl430-w500.yaml").write_text(text)
     robot = library.open_document("robots", "hexapod").text.replace("servo: xl430-w250", "servo: xl430-w500")
-    (tmp_path / "my_robot.yaml").write_text(robot)
+    (tmp_path / "my_robot.yaml").write_text(re.sub(r"^  (contact|orientation):.*\n", "", robot, flags=re.MULTILINE))
     return tmp_path
 
 
@@ -56,5 +56,4 @@ def test_a_servo_that_is_nowhere_is_named_with_its_place(folder: Path) -> None:
     (folder / "servos" / "xl430-w500.yaml").unlink()
     done = subprocess.run([*COMMAND, "check", "my_robot.yaml"], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 3
-    assert "my_robot.yaml:49" in done.stderr
-    assert "no such servo" in done.stderr
+    assert re.match(r"my_robot\.yaml:\d+:\d+: hardware\.joints\.lf_coxa\.servo: no such servo", done.stderr)

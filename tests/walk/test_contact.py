@@ -58,3 +58,11 @@ def test_it_walks_fast_without_waiting_for_what_it_feels() -> None:
     report = walk(speed=0.20, duration=5.0)
     assert report["distance_m"] == pytest.approx(1.0, rel=0.12)
     assert report["max_tilt_deg"] < 4.0
+
+
+@pytest.mark.parametrize(("gait", "speed"), [("tripod", 0.10), ("wave", 0.04)])
+def test_servos_unlike_their_file_do_not_feign_ground(gait: str, speed: float) -> None:
+    for seed in (0, 1):
+        report = rig.walk(rig.varied("hexapod", seed, 0.30), seed=seed, gait=gait, speed=speed, duration=5.0)
+        assert report["distance_m"] == pytest.approx(5.0 * speed, rel=0.12)
+        assert report["max_tilt_deg"] < 2.5

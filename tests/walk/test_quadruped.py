@@ -1,13 +1,10 @@
 """The quadruped walks in MuJoCo through Feetech bytes, judged by what its body really does."""
 
 import math
-import random
-from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from hal.register_map import PositionLoop, ServoModel
 from robotwalk import assembly
 
 from . import rig
@@ -16,37 +13,6 @@ from .rig import TURN
 
 def walk(robot: str | assembly.Blueprint = "quadruped", **plan: Any) -> dict[str, Any]:
     return rig.walk(robot, **plan)
-
-
-def varied(seed: int) -> assembly.Blueprint:
-    """Return the robot with other servos than its files say, and than its controller goes by.
-
-    Friction, armature and gain are off by up to 15 %: all servos alike for odd seeds, each for itself for even ones.
-    """
-    nominal = assembly.load("quadruped")
-    rng = random.Random(seed)
-    common = [rng.uniform(0.85, 1.15) for _ in range(3)]
-    servos, rows = {}, {}
-    for joint, row in nominal.hardware.joints.items():
-        factors = common if seed % 2 else [rng.uniform(0.85, 1.15) for _ in range(3)]
-        servos[joint] = changed(nominal.servos[row.servo], *factors)
-        rows[joint] = row.model_copy(update={"servo": joint})
-    hardware = nominal.hardware.model_copy(update={"joints": rows})
-    real = replace(nominal, hardware=hardware, servos=servos)
-    vars(real)["drives"] = nominal.drives
-    return real
-
-
-def changed(servo: ServoModel, friction: float, armature: float, gain: float) -> ServoModel:
-    motor, loop = servo.motor, servo.position_loop
-    assert isinstance(loop, PositionLoop)
-    return servo.model_copy(update={
-        "motor": motor.model_copy(update={
-            "friction": motor.friction.model_copy(update={
-                "coulomb_nm": friction * motor.friction.coulomb_nm,
-                "viscous_nms": friction * motor.friction.viscous_nms}),
-            "armature_kgm2": armature * motor.armature_kgm2}),
-        "position_loop": loop.model_copy(update={"divisor": loop.divisor / gain})})
 
 
 def assert_sound(report: dict[str, Any]) -> None:
@@ -86,7 +52,7 @@ def test_it_turns_on_the_spot_in_trot(sign: int) -> None:
 
 @pytest.mark.parametrize("seed", range(10))
 def test_so_it_does_with_other_servos_than_its_files_say(seed: int) -> None:
-    robot = varied(seed)
+    robot = rig.varied("quadruped", seed, 0.15)
     assert_straight(walk(robot, seed=seed, speed=0.15), 1.5, 0.15)
     assert_straight(walk(robot, seed=seed, speed=0.04, gait="crawl"), 0.4, 0.12)
     turned = walk(robot, seed=seed, turn=TURN, duration=6.0)
