@@ -21,6 +21,7 @@ from sim_backend.device import (
 )
 from sim_backend.dynamixel1_servo import Protocol1Servo
 from sim_backend.reply import collide
+from sim_backend.status_level import StatusReturnLevel, answers
 
 _ITEM = struct.Struct("BBB")  # of a bulk read: length, id, address
 
@@ -37,18 +38,6 @@ class Instruction(IntEnum):
     REBOOT = 0x08
     SYNC_WRITE = 0x83
     BULK_READ = 0x92
-
-
-class StatusReturnLevel(IntEnum):
-    """What is answered at all; a ping always is."""
-
-    PING = 0
-    READ = 1
-    ALL = 2
-
-
-_ANSWERED_FROM: dict[int, int] = {  # the others from ALL
-    Instruction.PING: StatusReturnLevel.PING, Instruction.READ: StatusReturnLevel.READ}
 
 
 class Dynamixel1Device(ServoDevice[Protocol1Servo]):
@@ -92,7 +81,7 @@ def _answer(packet: Packet, listening: list[Protocol1Servo], now: int, byte_ns: 
         # As they were before: a write may change these.
         level, delay = servo.status_return_level, servo.return_delay_ns
         error, data = _execute(servo, packet, now)
-        if level < _ANSWERED_FROM.get(packet.instruction, StatusReturnLevel.ALL):
+        if not answers(level, packet.instruction):
             continue
         if reply := servo.answer(delay, partial(status, error=error, data=data), packet.id, byte_ns):
             replies.append(reply)

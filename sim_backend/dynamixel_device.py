@@ -21,9 +21,10 @@ from sim_backend.dynamixel_groups import (
     sync_ranges,
     sync_write,
 )
-from sim_backend.dynamixel_instructions import ANSWERED_FROM, Instruction, StatusReturnLevel, execute
+from sim_backend.dynamixel_instructions import Instruction, execute
 from sim_backend.dynamixel_table import ErrorNumber
 from sim_backend.reply import collide
+from sim_backend.status_level import StatusReturnLevel, answers
 
 _PROTOCOL = 2
 _RESET_IDS_TOO = b"\xff"  # parameter of a factory reset
@@ -101,7 +102,7 @@ def _answer_one(packet: Packet, listening: list[DynamixelServo], now: int, byte_
         primary, level = packet.id == servo.id, servo.status_return_level
         alert, delay = servo.alert, servo.return_delay_ns
         number, data = execute(servo, packet.instruction, packet.parameters, now, ram_only=not primary)
-        if not primary or level < ANSWERED_FROM.get(packet.instruction, StatusReturnLevel.ALL):
+        if not primary or not answers(level, packet.instruction):
             continue
         if reply := servo.answer(delay, partial(status, error=number | alert, data=data), packet.id, byte_ns):
             replies.append(reply)

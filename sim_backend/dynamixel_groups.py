@@ -9,9 +9,10 @@ from fastcrc import crc16
 from sim_backend.device import Reply, answers_in_turn, by_id, sync_write_blocks
 from sim_backend.dynamixel_firmware import DynamixelServo
 from sim_backend.dynamixel_frames import BROADCAST, HEADER, STATUS, status
-from sim_backend.dynamixel_instructions import RANGE, Instruction, StatusReturnLevel, execute
+from sim_backend.dynamixel_instructions import RANGE, Instruction, execute
 from sim_backend.dynamixel_table import StatusError
 from sim_backend.reply import collide
+from sim_backend.status_level import StatusReturnLevel
 
 _ITEM = struct.Struct("<BHH")  # id, address, length
 _LARGEST_FRAME = 0xFFFF  # what the two bytes of a length can say

@@ -35,18 +35,6 @@ class Instruction(IntEnum):
     FAST_BULK_READ = 0x9A
 
 
-class StatusReturnLevel(IntEnum):
-    """What is answered at all; a ping always is."""
-
-    PING = 0
-    READ = 1
-    ALL = 2
-
-
-ANSWERED_FROM: dict[int, int] = {  # the others from ALL
-    Instruction.PING: StatusReturnLevel.PING, Instruction.READ: StatusReturnLevel.READ}
-
-
 def execute(
     servo: DynamixelServo, instruction: int, parameters: bytes, now: int, *, ram_only: bool = False
 ) -> tuple[int, bytes]:
