@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import struct
 from collections import defaultdict, deque
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -122,7 +123,7 @@ class Log:
                         self.about = record.metadata
                     case Attachment():
                         self.files[record.name] = record.data.decode()
-        except EndOfFile:
+        except (EndOfFile, struct.error):  # the latter in the middle of a record's head
             self.damage = "it breaks off"
         except Exception as error:  # whatever damage makes of a parser
             self.damage = f"it is damaged ({error})"

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from robotwalk.config import library
-
 from ..device import COMMAND, served
+from ..robots import hexapod_that_does_not_feel
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "add-a-servo.md").read_text()
 COMMANDS = [shlex.split(line)[1:] for line in re.findall(r"^\$ (robotwalk .*)$", PAGE, re.MULTILINE)]
@@ -21,8 +20,8 @@ def folder(tmp_path: Path) -> Path:
     (text,) = re.findall(r"```yaml\n(# (?:servos/xl430-w500\.yaml)\n.*?)```", PAGE, re.DOTALL)
     (tmp_path / "servos").mkdir()
     (tmp_path / "servos" / "xl430-w500.yaml").write_text(text)
-    robot = library.open_document("robots", "hexapod").text.replace("servo: xl430-w250", "servo: xl430-w500")
-    (tmp_path / "my_robot.yaml").write_text(re.sub(r"^  (contact|orientation):.*\n", "", robot, flags=re.MULTILINE))
+    robot = hexapod_that_does_not_feel().replace("servo: xl430-w250", "servo: xl430-w500")
+    (tmp_path / "my_robot.yaml").write_text(robot)
     return tmp_path
 
 

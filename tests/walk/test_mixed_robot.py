@@ -6,16 +6,15 @@ from pathlib import Path
 import pytest
 
 from robotwalk import assembly
-from robotwalk.config import library
 
+from ..robots import hexapod_that_does_not_feel
 from .rig import walk
 
 
 @pytest.fixture
 def mixed(tmp_path: Path) -> str:
     """Return the hexapod with Feetechs on its right, and on its left two models of Dynamixel, which share a wire."""
-    text = library.open_document("robots", "hexapod").text
-    text = text.replace(
+    text = hexapod_that_does_not_feel().replace(
         "    legs: {port: /dev/ttyUSB0, baud: 1000000}\n",
         "    left: {port: /dev/ttyUSB0, baud: 1000000}\n    right: {port: /dev/ttyUSB1, baud: 1000000}\n")
     text = re.sub(r"(?m)^(    r\w+: +\{bus: )legs(.*servo: )xl430-w250", r"\1right\2sts3215-12v", text)

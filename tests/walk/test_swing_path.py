@@ -1,22 +1,19 @@
 """A swing path of one's own, and one foot that is lifted higher, in MuJoCo."""
 
-import re
 from pathlib import Path
 
 import pytest
 
 from robotwalk import assembly
-from robotwalk.config import library
 from robotwalk.loop import Tick
+
+from ..robots import hexapod_that_does_not_feel
 
 PIECES = "[[0, 0], [-0.1, 0.2], [-0.1, 0.9], [0.3, 1.2]], [[0.3, 1.2], [0.6, 1.425], [1.1, 0.6], [1, 0]]"
 
 
 def test_a_spliced_path_and_a_lift_of_its_own_are_walked(tmp_path: Path) -> None:
-    text = (library.root() / "robots" / "hexapod.yaml").read_text()
-    text = text.replace("swing_path: ellipse", f"swing_path: {{bezier: [{PIECES}]}}")
-    # A foot that feels the ground leaves its path.
-    text = re.sub(r"^  (contact|orientation):.*\n", "", text, flags=re.MULTILINE)
+    text = hexapod_that_does_not_feel().replace("swing_path: ellipse", f"swing_path: {{bezier: [{PIECES}]}}")
     own = "lm: {rest_mm: [135, 0], max_stride_mm: 100, lift_mm: 45, swing_path: parabola}"
     path = tmp_path / "own.yaml"
     path.write_text(text.replace("    lm: *foot\n", f"    {own}\n"))
