@@ -5,7 +5,7 @@ Chance comes from the run's seed: equal seeds give equal ground.
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from random import Random
 from typing import Annotated, Literal, NamedTuple, get_args
 
@@ -57,7 +57,7 @@ class Laid(NamedTuple):
     length: float
     rise: float  # how much higher the next one begins
     lowest: float  # height of its lowest point, which the floor must not hide
-    bodies: list[LooseBody] = []  # noqa: RUF012 - never changed
+    bodies: Sequence[LooseBody] = ()
 
 
 class Element(Section, ABC):
