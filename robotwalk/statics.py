@@ -15,6 +15,7 @@ from robotwalk.model import Axis, Leg, RobotModel
 from robotwalk.types import Pose, Vec3
 
 GRAVITY = 9.81  # m/s^2
+_PITCH, _YAW = Axis.PITCH, Axis.YAW
 _TAKE_OVER = 0.06  # s in which a foot takes its load, or gives it up
 _SEATING = 0.02  # m of height over which the feet take over from the belly
 _LEAN = 0.2  # of a foot's load that it may push outwards, and friction holds it: an arch spares its bearers
@@ -27,6 +28,7 @@ class LegStatics(NamedTuple):
 
     foot: Vec3  # m
     columns: tuple[Vec3, ...]  # of its Jacobian: the foot's velocity per rad/s of each joint, m
+    lifts: tuple[float, ...]  # m: each column's part along the way up
     weights: tuple[float, ...]  # N m: the torque of each joint that holds up the links behind it
 
 
@@ -38,59 +40,99 @@ class Statics(NamedTuple):
     torques: tuple[float, ...]  # N m, in joint order
 
 
-def leg_statics(leg: Leg, foot_mass: float, angles: Sequence[float], up: Vec3) -> tuple[LegStatics, Vec3]:
-    """Return a leg's statics for joint angles (rad), and its mass times the place of its centre of mass, kg m.
+# What is behind a joint, seen from it in the frame of the link before: the joint's axis, its angle's cosine and sine,
+# the foot (m), and the first moment of all masses (kg m).
+_Behind = tuple[Axis, float, float, float, float, float, float, float, float]
 
-    Args:
-        leg: the chain; each link's mass is at its middle.
-        foot_mass: kg.
-        angles: of its joints, rad.
-        up: the unit vector against gravity, in the base frame.
+
+class LegMasses:
+    """A leg as a chain of masses: a link's is at its middle, the foot's at its centre.
+
+    All is seen from the joints. A joint's axis is one of its frame's own, so its cross products are mere swaps.
     """
-    c, s = math.cos(leg.yaw), math.sin(leg.yaw)
-    ax, ay, az = (c, s, 0.0), (-s, c, 0.0), (0.0, 0.0, 1.0)
-    x, y, z = leg.mount
-    origins: list[tuple[float, float, float]] = []
-    axes: list[tuple[float, float, float]] = []
-    for joint, angle in zip(leg.joints, angles, strict=True):
-        origins.append((x, y, z))
-        c, s = math.cos(angle), math.sin(angle)
-        # Turn the two axes across the joint's from the first towards the second.
-        if joint.axis is Axis.YAW:
-            axes.append(az)
-            ax, ay = (
-                (c * ax[0] + s * ay[0], c * ax[1] + s * ay[1], c * ax[2] + s * ay[2]),
-                (c * ay[0] - s * ax[0], c * ay[1] - s * ax[1], c * ay[2] - s * ax[2]))
-        elif joint.axis is Axis.PITCH:
-            axes.append(ay)
-            az, ax = (
-                (c * az[0] + s * ax[0], c * az[1] + s * ax[1], c * az[2] + s * ax[2]),
-                (c * ax[0] - s * az[0], c * ax[1] - s * az[1], c * ax[2] - s * az[2]))
-        else:
-            axes.append(ax)
-            ay, az = (
-                (c * ay[0] + s * az[0], c * ay[1] + s * az[1], c * ay[2] + s * az[2]),
-                (c * az[0] - s * ay[0], c * az[1] - s * ay[1], c * az[2] - s * ay[2]))
-        lx, ly, lz = joint.link
-        x += ax[0] * lx + ay[0] * ly + az[0] * lz
-        y += ax[1] * lx + ay[1] * ly + az[1] * lz
-        z += ax[2] * lx + ay[2] * ly + az[2] * lz
-    mass, mx, my, mz = foot_mass, foot_mass * x, foot_mass * y, foot_mass * z
-    ux, uy, uz = up
-    columns: list[Vec3] = []
-    weights: list[float] = []
-    fx, fy, fz = x, y, z  # the far end of the link
-    for (ox, oy, oz), (jx, jy, jz), joint in zip(reversed(origins), reversed(axes), reversed(leg.joints), strict=True):
-        half = 0.5 * joint.mass
-        mass += joint.mass
-        mx, my, mz = mx + half * (ox + fx), my + half * (oy + fy), mz + half * (oz + fz)
-        dx, dy, dz = x - ox, y - oy, z - oz
-        columns.append(Vec3(jy * dz - jz * dy, jz * dx - jx * dz, jx * dy - jy * dx))
-        dx, dy, dz = mx - mass * ox, my - mass * oy, mz - mass * oz
-        weights.append(GRAVITY * (
-            (jy * dz - jz * dy) * ux + (jz * dx - jx * dz) * uy + (jx * dy - jy * dx) * uz))
-        fx, fy, fz = ox, oy, oz
-    return LegStatics(Vec3(x, y, z), tuple(columns[::-1]), tuple(weights[::-1])), Vec3(mx, my, mz)
+
+    def __init__(self, leg: Leg, foot_mass: float) -> None:
+        """Prepare a leg whose foot weighs `foot_mass` kg."""
+        mass, links = foot_mass, []
+        for joint in reversed(leg.joints):
+            lever = mass + 0.5 * joint.mass  # what the link moves, as if it were all at its end
+            mass += joint.mass
+            x, y, z = joint.link
+            links.append((joint.axis, x, y, z, lever * x, lever * y, lever * z))
+        self._links = tuple(links)  # from the foot to the body
+        self._mount, self._mass = leg.mount, mass
+        self._cos, self._sin = math.cos(leg.yaw), math.sin(leg.yaw)
+
+    def foot_and_moment(self, angles: Sequence[float]) -> tuple[Vec3, Vec3]:
+        """Return the foot's centre, m, and the leg's mass times the place of its centre of mass, kg m, for angles."""
+        return self._in_base(self._behind(angles)[-1])
+
+    def statics(self, angles: Sequence[float], up: Vec3) -> tuple[LegStatics, Vec3]:
+        """Return the leg's statics for joint angles (rad), and its mass times the place of its centre of mass, kg m.
+
+        `up` is the unit vector against gravity, in the base frame.
+        """
+        behind = self._behind(angles)
+        foot, moment = self._in_base(behind[-1])
+        # The axes of the joint's frame in the base frame, and the way up in the joint's frame.
+        xx, xy, xz = self._cos, self._sin, 0.0
+        yx, yy, yz = -xy, xx, 0.0
+        zx, zy, zz = 0.0, 0.0, 1.0
+        ux, uy, uz = up
+        ux, uy = xx * ux + xy * uy, xx * uy - xy * ux
+        columns: list[Vec3] = []
+        lifts: list[float] = []
+        weights: list[float] = []
+        for axis, c, s, fx, fy, fz, mx, my, mz in reversed(behind):
+            if axis is _PITCH:
+                columns.append(Vec3(fz * xx - fx * zx, fz * xy - fx * zy, fz * xz - fx * zz))
+                lifts.append(fz * ux - fx * uz)
+                weights.append(GRAVITY * (mz * ux - mx * uz))
+                ux, uz = c * ux - s * uz, c * uz + s * ux
+                xx, zx = c * xx - s * zx, c * zx + s * xx
+                xy, zy = c * xy - s * zy, c * zy + s * xy
+                xz, zz = c * xz - s * zz, c * zz + s * xz
+            elif axis is _YAW:
+                columns.append(Vec3(fx * yx - fy * xx, fx * yy - fy * xy, fx * yz - fy * xz))
+                lifts.append(fx * uy - fy * ux)
+                weights.append(GRAVITY * (mx * uy - my * ux))
+                ux, uy = c * ux + s * uy, c * uy - s * ux
+                xx, yx = c * xx + s * yx, c * yx - s * xx
+                xy, yy = c * xy + s * yy, c * yy - s * xy
+                xz, yz = c * xz + s * yz, c * yz - s * xz
+            else:
+                columns.append(Vec3(fy * zx - fz * yx, fy * zy - fz * yy, fy * zz - fz * yz))
+                lifts.append(fy * uz - fz * uy)
+                weights.append(GRAVITY * (my * uz - mz * uy))
+                uy, uz = c * uy + s * uz, c * uz - s * uy
+                yx, zx = c * yx + s * zx, c * zx - s * yx
+                yy, zy = c * yy + s * zy, c * zy - s * yy
+                yz, zz = c * yz + s * zz, c * zz - s * yz
+        return LegStatics(foot, tuple(columns), tuple(lifts), tuple(weights)), moment
+
+    def _behind(self, angles: Sequence[float]) -> list[_Behind]:
+        """Go from the foot inwards: each joint turns both the foot and the first moment of all that is behind it."""
+        fx = fy = fz = mx = my = mz = 0.0
+        behind: list[_Behind] = []
+        for (axis, lx, ly, lz, nx, ny, nz), angle in zip(self._links, reversed(angles), strict=True):
+            fx, fy, fz, mx, my, mz = fx + lx, fy + ly, fz + lz, mx + nx, my + ny, mz + nz
+            c, s = math.cos(angle), math.sin(angle)
+            if axis is _PITCH:
+                fx, fz, mx, mz = c * fx + s * fz, c * fz - s * fx, c * mx + s * mz, c * mz - s * mx
+            elif axis is _YAW:
+                fx, fy, mx, my = c * fx - s * fy, s * fx + c * fy, c * mx - s * my, s * mx + c * my
+            else:
+                fy, fz, my, mz = c * fy - s * fz, s * fy + c * fz, c * my - s * mz, s * my + c * mz
+            behind.append((axis, c, s, fx, fy, fz, mx, my, mz))
+        return behind
+
+    def _in_base(self, whole: _Behind) -> tuple[Vec3, Vec3]:
+        """Return the foot and the first moment as the base sees them."""
+        _, _, _, fx, fy, fz, mx, my, mz = whole
+        (x, y, z), mass, c, s = self._mount, self._mass, self._cos, self._sin
+        return (
+            Vec3(x + c * fx - s * fy, y + s * fx + c * fy, z + fz),
+            Vec3(mass * x + c * mx - s * my, mass * y + s * mx + c * my, mass * z + mz))
 
 
 def shared_loads(
@@ -135,21 +177,25 @@ def shared_loads(
     return tuple(load * weight / total for load in loads) if total > 0.0 else tuple(loads)
 
 
-def _held(leg: Leg, statics: LegStatics, load: float, up: Vec3) -> list[float]:
+def _held(mount: Vec3, leg: LegStatics, load: float) -> Sequence[float]:
     """Return the torques with which a leg bears a load, N m, leaning inwards as far as that spares its motors."""
-    foot, (ux, uy, uz) = statics.foot, up
-    ix, iy = leg.mount.x - foot.x, leg.mount.y - foot.y
+    if load == 0.0:
+        return leg.weights
+    ix, iy = mount.x - leg.foot.x, mount.y - leg.foot.y
     way = math.hypot(ix, iy) or 1.0
-    ix, iy = ix / way, iy / way
-    upright = [
-        weight - load * (column.x * ux + column.y * uy + column.z * uz)
-        for weight, column in zip(statics.weights, statics.columns, strict=True)]
-    leaning = [load * (column.x * ix + column.y * iy) for column in statics.columns]
-    square = sum(lean * lean for lean in leaning)
-    if square == 0.0:
+    push = load / way
+    ix, iy = push * ix, push * iy
+    upright: list[float] = []
+    leaning: list[float] = []
+    along = square = 0.0
+    for weight, lift, (cx, cy, _) in zip(leg.weights, leg.lifts, leg.columns, strict=True):
+        torque, by = weight - load * lift, cx * ix + cy * iy
+        upright.append(torque)
+        leaning.append(by)
+        along, square = along + torque * by, square + by * by
+    if along <= 0.0:
         return upright
-    best = sum(torque * lean for torque, lean in zip(upright, leaning, strict=True)) / square
-    lean = min(max(best, 0.0), _LEAN)
+    lean = min(along / square, _LEAN)
     return [torque - lean * by for torque, by in zip(upright, leaning, strict=True)]
 
 
@@ -163,7 +209,9 @@ class Bearing:
     """Follows what the joints of one robot bear, as feet take over the weight from each other."""
 
     def __init__(self, model: RobotModel) -> None:
-        self._model = model
+        self._seat, self._weight = model.heights.sit, model.mass * GRAVITY
+        self._mass = model.mass
+        self._legs = tuple((leg.span, leg.mount, LegMasses(leg, model.foot_mass)) for leg in model.legs)
         self._shares = [0.0] * len(model.legs)
 
     def step(self, angles: Sequence[float], pose: Pose, planted: Sequence[bool], dt: float) -> Statics:
@@ -175,22 +223,22 @@ class Bearing:
             planted: which feet stand.
             dt: s since the last step.
         """
-        model, change = self._model, dt / _TAKE_OVER
+        change = dt / _TAKE_OVER
         self._shares = [
             min(share + change, 1.0) if stands else max(share - change, 0.0)
             for share, stands in zip(self._shares, planted, strict=True)]
         up = up_in_base(pose.roll, pose.pitch)
         legs: list[LegStatics] = []
         mx = my = mz = 0.0
-        for leg in model.legs:
-            statics, (x, y, z) = leg_statics(leg, model.foot_mass, angles[leg.span], up)
-            legs.append(statics)
+        for span, _, masses in self._legs:
+            leg, (x, y, z) = masses.statics(angles[span], up)
+            legs.append(leg)
             mx, my, mz = mx + x, my + y, mz + z
-        mass = model.mass
-        borne = min(max((pose.z - model.heights.sit) / _SEATING, 0.0), 1.0)
+        mass = self._mass
+        borne = min(max((pose.z - self._seat) / _SEATING, 0.0), 1.0)
         loads = shared_loads(
-            [leg.foot for leg in legs], self._shares, Vec3(mx / mass, my / mass, mz / mass), borne * mass * GRAVITY, up)
+            [leg.foot for leg in legs], self._shares, Vec3(mx / mass, my / mass, mz / mass), borne * self._weight, up)
         torques: list[float] = []
-        for leg, statics, load in zip(model.legs, legs, loads, strict=True):
-            torques.extend(_held(leg, statics, load, up))
+        for (_, mount, _), leg, load in zip(self._legs, legs, loads, strict=True):
+            torques.extend(_held(mount, leg, load))
         return Statics(tuple(legs), loads, tuple(torques))

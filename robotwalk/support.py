@@ -4,7 +4,8 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from robotwalk.model import Axis, RobotModel
+from robotwalk.model import RobotModel
+from robotwalk.statics import LegMasses
 from robotwalk.types import Vec3
 
 _ROUNDING = 1e-9  # m
@@ -24,44 +25,20 @@ def centre_of_mass(model: RobotModel, angles: Sequence[float]) -> Vec3:
 
 
 class Masses:
-    """Where a robot's masses are: a link's at its middle, the body's at its origin, a foot's at its centre."""
+    """Where a robot's masses are: its legs', and the body's at its origin."""
 
     def __init__(self, model: RobotModel) -> None:
         self._mass = model.mass
-        self._legs = []
-        for leg in model.legs:
-            mass, joints = model.foot_mass, []
-            for joint in reversed(leg.joints):
-                lever = mass + 0.5 * joint.mass  # what the link moves, as if it were all at its end
-                mass += joint.mass
-                x, y, z = joint.link
-                joints.append((joint.axis, x, y, z, lever * x, lever * y, lever * z))
-            span = slice(leg.span.stop - 1, leg.span.start - 1 if leg.span.start else None, -1)
-            self._legs.append((span, joints, math.cos(leg.yaw), math.sin(leg.yaw), leg.mount, mass))
+        self._legs = tuple((leg.span, LegMasses(leg, model.foot_mass)) for leg in model.legs)
 
     def centre_and_feet(self, angles: Sequence[float]) -> tuple[Vec3, list[Vec3]]:
-        """Return the centre of mass and all feet in the base frame, m, for all joints' angles, rad.
-
-        From the foot inwards, each joint turns both the foot and the first moment of all that lies behind it.
-        """
+        """Return the centre of mass and all feet in the base frame, m, for all joints' angles, rad."""
         x = y = z = 0.0
-        feet = []
-        for span, joints, cos, sin, mount, mass in self._legs:
-            fx = fy = fz = mx = my = mz = 0.0
-            for (axis, lx, ly, lz, nx, ny, nz), angle in zip(joints, angles[span], strict=True):
-                fx, fy, fz, mx, my, mz = fx + lx, fy + ly, fz + lz, mx + nx, my + ny, mz + nz
-                c, s = math.cos(angle), math.sin(angle)
-                if axis is Axis.PITCH:
-                    fx, fz, mx, mz = c * fx + s * fz, c * fz - s * fx, c * mx + s * mz, c * mz - s * mx
-                elif axis is Axis.YAW:
-                    fx, fy, mx, my = c * fx - s * fy, s * fx + c * fy, c * mx - s * my, s * mx + c * my
-                else:
-                    fy, fz, my, mz = c * fy - s * fz, s * fy + c * fz, c * my - s * mz, s * my + c * mz
-            ax, ay, az = mount
-            x += cos * mx - sin * my + mass * ax
-            y += sin * mx + cos * my + mass * ay
-            z += mz + mass * az
-            feet.append(Vec3(ax + cos * fx - sin * fy, ay + sin * fx + cos * fy, az + fz))
+        feet: list[Vec3] = []
+        for span, leg in self._legs:
+            foot, (mx, my, mz) = leg.foot_and_moment(angles[span])
+            feet.append(foot)
+            x, y, z = x + mx, y + my, z + mz
         whole = self._mass
         return Vec3(x / whole, y / whole, z / whole), feet
 

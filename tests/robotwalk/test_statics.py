@@ -8,7 +8,7 @@ from robotwalk import assembly
 from robotwalk.chain import chain_points, foot_position
 from robotwalk.kinematics import resting_angles
 from robotwalk.model import Leg, RobotModel
-from robotwalk.statics import GRAVITY, Bearing, leg_statics, shared_loads, up_in_base
+from robotwalk.statics import GRAVITY, Bearing, LegMasses, shared_loads, up_in_base
 from robotwalk.support import centre_of_mass
 from robotwalk.types import LEVEL, Vec3
 
@@ -35,7 +35,7 @@ def potential(model: RobotModel, leg: Leg, angles: list[float], up: Vec3) -> flo
 def test_jacobian_and_weights_are_the_derivatives_of_foot_and_potential(model: RobotModel) -> None:
     leg, up = model.legs[1], up_in_base(0.2, -0.3)
     angles = bent(leg)
-    statics, _ = leg_statics(leg, model.foot_mass, angles, up)
+    statics, _ = LegMasses(leg, model.foot_mass).statics(angles, up)
     assert statics.foot == pytest.approx(foot_position(leg, angles))
     for index in range(len(angles)):
         high, low = angles.copy(), angles.copy()
@@ -44,6 +44,8 @@ def test_jacobian_and_weights_are_the_derivatives_of_foot_and_potential(model: R
         column = [
             (b - a) / (2.0 * STEP) for a, b in zip(foot_position(leg, low), foot_position(leg, high), strict=True)]
         assert statics.columns[index] == pytest.approx(column, abs=1e-8)
+        lift = sum(a * b for a, b in zip(column, up, strict=True))
+        assert statics.lifts[index] == pytest.approx(lift, abs=1e-8)
         slope = (potential(model, leg, high, up) - potential(model, leg, low, up)) / (2.0 * STEP)
         assert statics.weights[index] == pytest.approx(slope, abs=1e-8)
 
