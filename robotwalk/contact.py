@@ -44,22 +44,27 @@ class Sense(NamedTuple):
     sure: bool  # of that, however fast its leg is
 
 
+class _Motor(NamedTuple):
+    """What a joint's effort tells; see `DriveResponse`."""
+
+    torque: float  # N m at effort 1
+    damping: float  # N m s
+    friction: float  # N m
+    inertia: float  # kg m^2
+
+
 class _Sample(NamedTuple):
     """Of one leg's joints."""
 
-    speeds: Sequence[float]  # rad/s
     torques: Sequence[float]  # N m; what its inertia takes is not yet taken off
+    momenta: Sequence[float]  # N m s
 
 
 class FootSense:
     """Feels the ground with the feet of one robot."""
 
     def __init__(self, model: RobotModel, drives: Sequence[DriveResponse]) -> None:
-        self._legs = tuple((leg.span, tuple(drives[leg.span])) for leg in model.legs)
-        self._last: list[_Sample | None] = [None] * len(model.legs)
-        self._touching = [False] * len(model.legs)
-        self._doubts = [0] * len(model.legs)  # measurements in a row that speak against that
-        self._weight = model.mass * GRAVITY
+        self._feet = tuple((leg.span, _Foot(drives[leg.span], model.mass * GRAVITY)) for leg in model.legs)
 
     def step(self, state: JointState, statics: Sequence[LegStatics], up: Vec3, dt: float) -> tuple[Felt | None, ...]:
         """Return what each foot feels; None where a joint of its leg did not answer twice in turn.
@@ -71,66 +76,74 @@ class FootSense:
             dt: s since the last measurement.
         """
         felt: list[Felt | None] = []
-        for index, ((span, drives), leg) in enumerate(zip(self._legs, statics, strict=True)):
-            last, now = self._last[index], None
-            if all(state.valid[span]):
-                now = _sample(drives, state.effort[span], state.velocity[span])
-            self._last[index] = now
-            if last is None or now is None:
-                felt.append(None)
-                continue
-            force = _force(leg, drives, last, now, dt)
-            load = force.x * up.x + force.y * up.y + force.z * up.z
-            touching = self._judge(index, load, leg, drives)
-            sure = touching and load > _LEAST * self._weight + _feigned(leg, drives, last, now, dt)
-            felt.append(Felt(force, load, touching, sure))
+        for (span, foot), leg in zip(self._feet, statics, strict=True):
+            sample = foot.sample(state.effort[span], state.velocity[span]) if all(state.valid[span]) else None
+            felt.append(foot.step(sample, leg, up, dt))
         return tuple(felt)
 
-    def _judge(self, index: int, load: float, leg: LegStatics, drives: Sequence[DriveResponse]) -> bool:
-        """Tell whether a foot touches, once measurements agree."""
-        least, touching = _LEAST * self._weight, self._touching[index]
-        if not touching and load <= least:  # whatever friction hides
-            self._doubts[index] = 0
-            return False
-        least += _hidden(leg, drives)
-        against = load < _LET_GO * least if touching else load > least
-        self._doubts[index] = self._doubts[index] + 1 if against else 0
-        if self._doubts[index] >= _AGREEING:
-            self._touching[index] = touching = not touching
-            self._doubts[index] = 0
-        return touching
+
+class _Foot:
+    """Feels with one foot."""
+
+    def __init__(self, drives: Sequence[DriveResponse], weight: float) -> None:
+        self._motors = tuple(
+            _Motor(drive.effort_torque, drive.effort_damping, drive.stiffness * drive.friction,
+                   drive.stiffness * drive.inertia) for drive in drives)
+        self._frictions = tuple(motor.friction for motor in self._motors)
+        self._least = _LEAST * weight
+        self._last: _Sample | None = None
+        self._touching = False
+        self._doubts = 0  # measurements in a row that speak against that
+
+    def sample(self, efforts: Sequence[float], speeds: Sequence[float]) -> _Sample:
+        """Return what its joints' efforts and speeds (rad/s) come to."""
+        torques: list[float] = []
+        momenta: list[float] = []
+        for (torque, damping, friction, inertia), effort, speed in zip(self._motors, efforts, speeds, strict=True):
+            creep = speed / _CREEP
+            direction = creep if -1.0 < creep < 1.0 else math.copysign(1.0, creep)
+            torques.append(torque * effort - damping * speed - friction * direction)
+            momenta.append(inertia * speed)
+        return _Sample(torques, momenta)
+
+    def step(self, now: _Sample | None, leg: LegStatics, up: Vec3, dt: float) -> Felt | None:
+        """Take a sample and return what is felt, if there was one before it, too."""
+        last, self._last = self._last, now
+        if last is None or now is None:
+            return None
+        accelerating = [(m - before) / dt for m, before in zip(now.momenta, last.momenta, strict=True)]
+        force = _force(leg, last.torques, now.torques, accelerating)
+        load = force.x * up.x + force.y * up.y + force.z * up.z
+        if not self._touching and load <= self._least:  # whatever friction hides
+            self._doubts = 0
+            return Felt(force, load, touching=False, sure=False)
+        arms = [_LEVER * math.hypot(*column) + _DAMPING for column in leg.columns]
+        hidden = max([friction / arm for friction, arm in zip(self._frictions, arms, strict=True)])
+        if not self._judge(load, self._least + hidden):
+            return Felt(force, load, touching=False, sure=False)
+        feigned = max([abs(torque) / arm for torque, arm in zip(accelerating, arms, strict=True)])
+        return Felt(force, load, touching=True, sure=load > self._least + _INERTIA_UNKNOWN * feigned)
+
+    def _judge(self, load: float, least: float) -> bool:
+        """Tell whether the foot touches, once measurements agree."""
+        against = load < _LET_GO * least if self._touching else load > least
+        self._doubts = self._doubts + 1 if against else 0
+        if self._doubts >= _AGREEING:
+            self._touching = not self._touching
+            self._doubts = 0
+        return self._touching
 
 
-def _hidden(leg: LegStatics, drives: Sequence[DriveResponse]) -> float:
-    """Return the largest force at a foot, N, that the friction of its joints may hide or feign."""
-    return max(
-        drive.stiffness * drive.friction / (_LEVER * math.hypot(*column) + _DAMPING)
-        for drive, column in zip(drives, leg.columns, strict=True))
-
-
-def _feigned(leg: LegStatics, drives: Sequence[DriveResponse], last: _Sample, now: _Sample, dt: float) -> float:
-    """Return the force at a foot, N, that may be inertia not known well enough."""
-    return _INERTIA_UNKNOWN * max(
-        drive.stiffness * drive.inertia * abs(speed - before) / dt / (_LEVER * math.hypot(*column) + _DAMPING)
-        for drive, column, speed, before in zip(drives, leg.columns, now.speeds, last.speeds, strict=True))
-
-
-def _sample(drives: Sequence[DriveResponse], efforts: Sequence[float], speeds: Sequence[float]) -> _Sample:
-    return _Sample(speeds, [
-        drive.effort_torque * effort - drive.effort_damping * speed
-        - drive.stiffness * drive.friction * min(max(speed / _CREEP, -1.0), 1.0)
-        for drive, effort, speed in zip(drives, efforts, speeds, strict=True)])
-
-
-def _force(leg: LegStatics, drives: Sequence[DriveResponse], last: _Sample, now: _Sample, dt: float) -> Vec3:
-    """Return the force at a foot that explains best what its joints did between two samples."""
+def _force(
+    leg: LegStatics, before: Sequence[float], now: Sequence[float], accelerating: Sequence[float]
+) -> Vec3:
+    """Return the force at a foot that explains best its joints' torques in two samples, and what took inertia."""
     xx = yy = zz = _DAMPING * _DAMPING
     xy = xz = yz = bx = by = bz = 0.0
-    for (cx, cy, cz), weight, drive, speed, before, torque, torque_before in zip(
-        leg.columns, leg.weights, drives, now.speeds, last.speeds, now.torques, last.torques, strict=True,
+    for (cx, cy, cz), weight, last, torque, inertia in zip(
+        leg.columns, leg.weights, before, now, accelerating, strict=True,
     ):
-        accelerating = drive.stiffness * drive.inertia * (speed - before) / dt
-        excess = weight - 0.5 * (torque + torque_before) + accelerating
+        excess = weight - 0.5 * (torque + last) + inertia
         xx, yy, zz, xy, xz, yz = xx + cx * cx, yy + cy * cy, zz + cz * cz, xy + cx * cy, xz + cx * cz, yz + cy * cz
         bx, by, bz = bx + cx * excess, by + cy * excess, bz + cz * excess
     # Cramer's rule for the symmetric normal equations.
