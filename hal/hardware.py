@@ -1,18 +1,21 @@
-"""A robot's `hardware` section: which servo moves which joint, on which bus; and its IMU.
+"""A robot's `hardware` section: which servo moves which joint, on which bus; its IMU, its foot switches.
 
 It is kept apart from the skeleton, so that one skeleton can take other servos.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
+from hal.foot_switches.frame import FRAMING
+from hal.foot_switches.model import FootSwitchConfig
 from hal.imu.model import ImuConfig, ImuModel
 from hal.register_map import ServoModel
 from hal.schema import Row
 
 IMU_PORT = "imu"  # what the line of the IMU is called beside the buses
+FEET_PORT = "feet"  # and that of the foot switches
 _BITS_PER_BYTE = 10  # 8N1
 
 
@@ -48,6 +51,13 @@ class HardwareConfig(Row):
     joints: dict[str, JointWiring]
     power: Power = Power()
     imu: ImuConfig | None = None
+    foot_switches: FootSwitchConfig | None = None
+
+    @property
+    def sensors(self) -> dict[str, ImuConfig | FootSwitchConfig]:
+        """What talks unasked, by the names of its lines."""
+        fitted = {IMU_PORT: self.imu, FEET_PORT: self.foot_switches}
+        return {name: sensor for name, sensor in fitted.items() if sensor is not None}
 
 
 class Problem(NamedTuple):
@@ -127,3 +137,26 @@ def imu_problems(config: HardwareConfig, imus: Mapping[str, ImuModel]) -> Iterat
     if rate > fits:
         told = f"carries {fits:.1f} measurements of {model.name} a second, which sends {rate:g}"
         yield Problem(("imu", "baud"), told, imu.baud)
+
+
+def foot_switch_problems(config: HardwareConfig, legs: Sequence[str]) -> Iterator[Problem]:
+    """Find what is wrong with the foot switches, if there are any, of a robot of these legs."""
+    switches, section = config.foot_switches, "foot_switches"
+    if switches is None:
+        return
+    if FEET_PORT in config.buses:
+        yield Problem(("buses", FEET_PORT), "that is what the line of the foot switches is called", None)
+    taken: dict[int, str] = {}
+    for leg, bit in switches.inputs.items():
+        if leg not in legs:
+            yield Problem((section, "inputs", leg), f"the robot has no such leg; it has {', '.join(legs)}", None)
+        other = taken.setdefault(bit, leg)
+        if other != leg:
+            yield Problem((section, "inputs", leg), f"already the input of {other}", bit)
+    if switches.stale_after_s * switches.rate_hz < 1.5:
+        told = f"is hardly longer than from one report to the next, at {switches.rate_hz:g} Hz"
+        yield Problem((section, "stale_after_s"), told, switches.stale_after_s)
+    fits = switches.baud / _BITS_PER_BYTE / FRAMING.size
+    if switches.rate_hz > fits:
+        told = f"carries {fits:.0f} reports a second, and the board sends {switches.rate_hz:g}"
+        yield Problem((section, "baud"), told, switches.baud)

@@ -1,5 +1,8 @@
 """What the feet feel: the force of the ground on each, from what the servos say of their own effort.
 
+A foot switch wins: while it is heard, its foot touches while it is closed, whatever the load seems to be. A foot
+without one, or whose switch is unknown, goes by its load.
+
 A motor's torque, less what its friction, back-EMF and inertia take, moves the leg; what the leg's weight does not
 account for, the ground exerts: column_j . F = weight_j - torque_j for every joint j (the transposed Jacobian, by least
 squares). An acceleration is the difference of two measured speeds and holds half way between them, so efforts are
@@ -12,7 +15,7 @@ from typing import NamedTuple
 
 from robotwalk.model import RobotModel
 from robotwalk.statics import GRAVITY, LegStatics
-from robotwalk.types import DriveResponse, JointState, Vec3
+from robotwalk.types import DriveResponse, FootSwitch, JointState, Vec3
 
 _CREEP = 0.1  # rad/s, below which a joint's friction is known in part only
 _DAMPING = 0.02  # m; a foot's force along a way that it can hardly move is not told
@@ -33,6 +36,9 @@ class Felt(NamedTuple):
     load: float  # N of it, upwards
     touching: bool  # bears a load worth a step
     sure: bool  # more of it than a fast leg's inertia may feign
+
+
+_NOTHING = Felt(Vec3(0.0, 0.0, 0.0), 0.0, touching=False, sure=False)
 
 
 class Sense(NamedTuple):
@@ -63,22 +69,31 @@ class _Sample(NamedTuple):
 class FootSense:
     """Feels the ground with the feet of one robot."""
 
-    def __init__(self, model: RobotModel, drives: Sequence[DriveResponse]) -> None:
+    def __init__(self, model: RobotModel, drives: Sequence[DriveResponse], *, by_load: bool) -> None:
+        """Feel by load and by switches, or by switches alone."""
         self._feet = tuple((leg.span, _Foot(drives[leg.span], model.mass * GRAVITY)) for leg in model.legs)
+        self._by_load = by_load
 
-    def step(self, state: JointState, statics: Sequence[LegStatics], up: Vec3, dt: float) -> tuple[Felt | None, ...]:
-        """Return what each foot feels; None where a joint of its leg did not answer twice in turn.
+    def step(
+        self, state: JointState, statics: Sequence[LegStatics], up: Vec3, dt: float,
+        switches: Sequence[FootSwitch] = (),
+    ) -> tuple[Felt | None, ...]:
+        """Return what each foot feels; None where it has no switch and a joint of its leg did not answer twice in turn.
 
         Args:
             state: the joints.
             statics: of the legs, about where they are now.
             up: the unit vector against gravity, in the base frame.
             dt: s since the last measurement.
+            switches: of each foot; empty: there are none.
         """
         felt: list[Felt | None] = []
-        for (span, foot), leg in zip(self._feet, statics, strict=True):
-            sample = foot.sample(state.effort[span], state.velocity[span]) if all(state.valid[span]) else None
-            felt.append(foot.step(sample, leg, up, dt))
+        for index, ((span, foot), leg) in enumerate(zip(self._feet, statics, strict=True)):
+            answered = self._by_load and all(state.valid[span])
+            sample = foot.sample(state.effort[span], state.velocity[span]) if answered else None
+            by_load = foot.step(sample, leg, up, dt)
+            closed = switches[index].closed if switches else None
+            felt.append(by_load if closed is None else (by_load or _NOTHING)._replace(touching=closed, sure=closed))
         return tuple(felt)
 
 

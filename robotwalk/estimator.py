@@ -13,19 +13,20 @@ from robotwalk.body import advanced
 from robotwalk.contact import Felt
 from robotwalk.kinematics import solver_for
 from robotwalk.model import RobotModel
-from robotwalk.types import LEVEL, ImuState, JointState, Pose, Twist, Vec3
+from robotwalk.types import LEVEL, FootSwitch, ImuState, JointState, Pose, Twist, Vec3
 
 _SETTLING = 0.06  # s after a footprint is reached before its foot counts: the servo follows its goal later
 
 
 class Estimate(NamedTuple):
-    """The body's state by odometry, and by an IMU if there is one."""
+    """The body's state by odometry, and by an IMU if there is one; what the feet feel."""
 
     pose: Pose  # of the base in odom; yaw is not wrapped; roll and pitch are 0 without a valid IMU
     standing_feet: int  # that the last step relied on
     imu: ImuState | None = None  # None: there is none, or it has not been heard yet
     feet: tuple[Vec3 | None, ...] = ()  # in the base frame, m; None where a joint did not answer
     felt: tuple[Felt | None, ...] = ()  # by each foot; empty where nothing can be felt
+    switches: tuple[FootSwitch, ...] = ()  # of each foot; empty: the robot has none
 
 
 class Odometry:
@@ -69,9 +70,9 @@ class Odometry:
         return Estimate(self._pose, len(pairs), feet=tuple(self._feet))
 
 
-def told_by(imu: ImuState | None, estimate: Estimate) -> Estimate:
-    """Return an estimate with what the IMU tells, if there is one and it does."""
-    return estimate._replace(pose=tilted(estimate.pose, imu), imu=imu)
+def told_by(imu: ImuState | None, switches: tuple[FootSwitch, ...], estimate: Estimate) -> Estimate:
+    """Return an estimate with what the IMU and foot switches tell, if there are any and they do."""
+    return estimate._replace(pose=tilted(estimate.pose, imu), imu=imu, switches=switches)
 
 
 def tilted(pose: Pose, imu: ImuState | None) -> Pose:

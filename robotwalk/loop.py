@@ -1,4 +1,4 @@
-"""The cycle, at an absolute deadline each time: write and read the bus, hear the IMU, estimate, supervise, control,
+"""The cycle, at an absolute deadline each time: write and read the bus, hear the sensors, estimate, supervise, control,
 limit.
 
 The goals written are those computed in the cycle before, so that they leave with no more jitter than the
@@ -18,7 +18,7 @@ from robotwalk.estimator import Estimate, Odometry, tilted, told_by
 from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate
 from robotwalk.model import RobotModel
-from robotwalk.ports import Clock, Imu, ServoBus
+from robotwalk.ports import Clock, FootSwitches, Imu, ServoBus
 from robotwalk.recorder import Row
 from robotwalk.stability import Stability, stability
 from robotwalk.statics import up_in_base
@@ -26,7 +26,7 @@ from robotwalk.supervisor import Request, State, Supervisor
 from robotwalk.support import Masses
 from robotwalk.tape import Tape
 from robotwalk.timing import Histogram
-from robotwalk.types import STILL, Command, ImuState, JointState
+from robotwalk.types import STILL, Command, FootSwitch, ImuState, JointState
 
 _NS = 1_000_000_000
 _HEARTBEAT = 500_000_000  # ns without a sign of the driver before the robot slows to a stand
@@ -58,6 +58,7 @@ class Loop:
         clock: Clock,
         bus: ServoBus,
         imu: Imu | None = None,
+        switches: FootSwitches | None = None,
         controller: Controller,
         odometry: Odometry,
         feedforward: Feedforward,
@@ -76,6 +77,7 @@ class Loop:
         self._clock = clock
         self._bus = bus
         self._imu = imu
+        self._switches = switches
         self._controller = controller
         self._odometry = odometry
         self._feedforward = feedforward
@@ -170,9 +172,10 @@ class Loop:
         joints = self._bus.exchange(self._goals, self.period)
         self._joints = joints
         imu = self._imu.read() if self._imu is not None else None
+        switches = self._switches.read() if self._switches is not None else ()
         read = clock.now()
         started = time.perf_counter_ns()
-        tick = self._think(deadline, joints, imu, dt)
+        tick = self._think(deadline, joints, imu, switches, dt)
         computed = time.perf_counter_ns() - started
         self._digest.update(self._packing.pack(*joints.position, *tick.goals))
         self.wake.add(woke - deadline)
@@ -181,7 +184,7 @@ class Loop:
         if self._record is not None:
             self._record(Row(
                 deadline, tick.state, self.command, tick.wanted.twist, tick.goals, joints, tick.estimate.pose,
-                tick.stability, woke - deadline, read - woke, computed, imu))
+                tick.stability, woke - deadline, read - woke, computed, imu, switches))
         self._grid.advance(clock.now())
         return tick
 
@@ -199,15 +202,17 @@ class Loop:
             self._bus.exchange(self._goals, self.period)
         self._bus.pause()
 
-    def _think(self, now: int, joints: JointState, imu: ImuState | None, dt: float) -> Tick:
+    def _think(
+        self, now: int, joints: JointState, imu: ImuState | None, switches: tuple[FootSwitch, ...], dt: float
+    ) -> Tick:
         """Everything between the bytes read and the goals for the next write."""
         wanted = self._wanted
-        estimate = told_by(imu, self._odometry.step(joints, wanted.planted, wanted.twist, dt))
+        estimate = told_by(imu, switches, self._odometry.step(joints, wanted.planted, wanted.twist, dt))
         stable = stability(self._masses, joints.position, wanted.planted, estimate.pose)
         if self._sense is not None and wanted.legs:
             lying = tilted(wanted.pose, imu)
             up = up_in_base(lying.roll, lying.pitch)
-            estimate = estimate._replace(felt=self._sense.step(joints, wanted.legs, up, dt))
+            estimate = estimate._replace(felt=self._sense.step(joints, wanted.legs, up, dt, switches))
         oldest = max(range(len(joints.age)), key=joints.age.__getitem__)
         stalest = self._bus.joints[oldest], joints.age[oldest]
         state = self.supervisor.step(stalest, self._wanted.seated, self._bus.alerts)

@@ -7,7 +7,7 @@ Time is an integer count of nanoseconds on a clock that never goes back. Whateve
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from robotwalk.types import BusStatistics, ImuState, ImuStatistics, JointState, ServoCondition
+from robotwalk.types import BusStatistics, FootSwitch, ImuState, JointState, SensorStatistics, ServoCondition
 
 
 class BytePort(Protocol):
@@ -109,8 +109,24 @@ class Imu(Protocol):
         """Take what has come, without waiting; return what is known now. None: nothing has been heard yet."""
         ...
 
-    def statistics(self) -> ImuStatistics:
+    def statistics(self) -> SensorStatistics:
         """Return what it said since its port was opened."""
+        ...
+
+    def close(self) -> None:
+        """Give the port back. Never raises."""
+        ...
+
+
+class FootSwitches(Protocol):
+    """Switches under the feet, of a board that tells of its own accord which are closed."""
+
+    def read(self) -> tuple[FootSwitch, ...]:
+        """Take what has come, without waiting; return what is known of each foot now, in the order of the legs."""
+        ...
+
+    def statistics(self) -> SensorStatistics:
+        """Return what the board said since its port was opened."""
         ...
 
     def close(self) -> None:

@@ -10,6 +10,7 @@ its own turns them into messages and writes them. Nothing is dropped; a slow dis
 """
 
 import json
+import math
 import queue
 import threading
 from collections.abc import Mapping, Sequence
@@ -22,7 +23,7 @@ from robotwalk.errors import UsageError
 from robotwalk.stability import Stability
 from robotwalk.supervisor import State
 from robotwalk.tape import Call, Concluded, Failed, Now, Received, Sent, Step, Tape, Wait
-from robotwalk.types import Command, ImuState, JointState, Pose, Twist
+from robotwalk.types import Command, FootSwitch, ImuState, JointState, Pose, Twist
 
 _CHUNK = 1 << 16  # bytes; what a crash may cost, some seconds of a walk
 _OBJECT = b'{"type": "object"}'
@@ -41,9 +42,10 @@ class Row(NamedTuple):
     odometry: Pose
     stability: Stability
     wake: int  # ns late at the start
-    bus: int  # ns in the exchange, and with the IMU
+    bus: int  # ns in the exchange, and with the sensors
     tick: int  # ns of computing
     imu: ImuState | None = None
+    switches: tuple[FootSwitch, ...] = ()
 
 
 class Event(NamedTuple):
@@ -61,7 +63,9 @@ class Recorder:
         tape: what is put onto it is recorded.
     """
 
-    _TOPICS = ("command", "joint_states", "joint_goals", "odom", "stability", "imu", "timing", "events", "tape")
+    _TOPICS = (
+        "command", "joint_states", "joint_goals", "odom", "stability", "imu", "foot_switches", "timing", "events",
+        "tape")
 
     def __init__(
         self, path: Path, joints: tuple[str, ...], about: dict[str, str], *,
@@ -144,6 +148,9 @@ class Recorder:
             "centre_of_mass": row.stability.centre._asdict()})
         if row.imu is not None:
             self._write("imu", row.time, _imu_fields(row.imu))
+        if row.switches:
+            closed, age = zip(*((switch.closed, _finite(switch.age)) for switch in row.switches), strict=True)
+            self._write("foot_switches", row.time, {"closed": closed, "age": age})
         timing = {"wake_us": row.wake / 1e3, "bus_us": row.bus / 1e3, "tick_us": row.tick / 1e3}
         self._write("timing", row.time, timing)
 
@@ -182,3 +189,8 @@ def _command_fields(command: Command) -> dict[str, Any]:
 def _imu_fields(imu: ImuState) -> dict[str, Any]:
     vectors = {"angular_velocity": imu.angular_velocity, "acceleration": imu.acceleration}
     return imu._asdict() | {name: vector and vector._asdict() for name, vector in vectors.items()}
+
+
+def _finite(seconds: float) -> float | None:
+    """Return a time as JSON has it: it knows no infinity."""
+    return seconds if math.isfinite(seconds) else None

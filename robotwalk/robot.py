@@ -8,22 +8,23 @@ from typing import NamedTuple, Self
 from robotwalk.behaviours import Behaviour
 from robotwalk.errors import RobotwalkError, SafetyStop, UsageError
 from robotwalk.estimator import Estimate
-from robotwalk.imu_watch import ImuWatch
 from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Loop, Tick
 from robotwalk.model import RobotModel
-from robotwalk.ports import Imu, ServoBus
+from robotwalk.ports import FootSwitches, Imu, ServoBus
 from robotwalk.recorder import Event, Recorder
+from robotwalk.sensor_watch import SensorWatch
 from robotwalk.supervisor import Request, State
 from robotwalk.types import (
     LEVEL,
     STILL,
     BusStatistics,
     Command,
+    FootSwitch,
     ImuState,
-    ImuStatistics,
     JointState,
     Pose,
+    SensorStatistics,
     ServoCondition,
     Twist,
 )
@@ -42,6 +43,7 @@ class RobotState(NamedTuple):
     odometry: Pose  # of the base in odom, by leg odometry
     twist: Twist  # commanded to the legs, after scaling
     imu: ImuState | None = None  # None: there is none, or it has not been heard yet
+    switches: tuple[FootSwitch, ...] = ()  # of each foot; empty: there are none
 
 
 def check_duration(seconds: float) -> None:
@@ -86,13 +88,13 @@ class Robot:
 
     def __init__(
         self, model: RobotModel, gaits: Sequence[str], loop: Loop, bus: ServoBus, *,
-        imu: Imu | None = None, recorder: Recorder | None = None, torque: float = 1.0,
-        refused: Mapping[str, str] = MappingProxyType({}),
+        imu: Imu | None = None, foot_switches: FootSwitches | None = None, recorder: Recorder | None = None,
+        torque: float = 1.0, refused: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """Join the parts.
 
         Args:
-            model, gaits, loop, bus, imu, recorder: the parts; of the gaits, the names.
+            model, gaits, loop, bus, imu, foot_switches, recorder: the parts; of the gaits, the names.
             torque: share of their largest output that the servos may use.
             refused: gaits that are for these feet, but more than the servos can give, and why.
         """
@@ -104,7 +106,10 @@ class Robot:
         self.observers: list[Callable[[Tick], None]] = []
         self._bus = bus
         self._imu = imu
-        self._imu_watch = ImuWatch(imu) if imu is not None else None
+        self._switches = foot_switches
+        self._imu_watch = SensorWatch("the IMU", imu.statistics) if imu is not None else None
+        self._switch_watch = (
+            SensorWatch("the foot-switch board", foot_switches.statistics) if foot_switches is not None else None)
         self._recorder = recorder
         self._torque = torque
         self._interrupts = Interrupts()
@@ -136,8 +141,9 @@ class Robot:
             UsageError: it was never armed, so nothing is known.
         """
         last = self._last_tick
-        pose, imu = last.estimate.pose, last.estimate.imu
-        return RobotState(self.loop.supervisor.state, last.joints, pose, last.wanted.twist, imu)
+        seen = last.estimate
+        return RobotState(
+            self.loop.supervisor.state, last.joints, seen.pose, last.wanted.twist, seen.imu, seen.switches)
 
     @property
     def _last_tick(self) -> Tick:
@@ -271,9 +277,13 @@ class Robot:
         """Return what each bus carried, by its name."""
         return self._bus.statistics()
 
-    def imu_statistics(self) -> ImuStatistics | None:
+    def imu_statistics(self) -> SensorStatistics | None:
         """Return what the IMU said so far; None if the robot has none."""
         return self._imu.statistics() if self._imu is not None else None
+
+    def foot_switch_statistics(self) -> SensorStatistics | None:
+        """Return what the foot-switch board said so far; None if the robot has none."""
+        return self._switches.statistics() if self._switches is not None else None
 
     def note(self, kind: str, text: str) -> None:
         """Add an event to the run's list."""
@@ -296,8 +306,9 @@ class Robot:
             if not self.frozen:
                 self._disarm()
                 self._bus.close()
-                if self._imu is not None:
-                    self._imu.close()
+                for sensor in (self._imu, self._switches):
+                    if sensor is not None:
+                        sensor.close()
             self._close_log()
             self._interrupts.restore()
 
@@ -376,12 +387,22 @@ class Robot:
         if tick.wanted.at_edge and not was_at_edge:
             self.note("edge", "a foot found no ground ahead: stopped")
         self._seconds += 1.0 / self.loop.rate_hz
-        news = self._imu_watch and self._imu_watch.step(tick.estimate.imu, self._seconds)
-        if news:
-            self.note("imu", news)
+        self._listen(tick.estimate)
         for observer in self.observers:
             observer(tick)
         return tick
+
+    def _listen(self, estimate: Estimate) -> None:
+        """Note it when a sensor falls silent, or is back."""
+        imu, switches = estimate.imu, estimate.switches
+        if self._imu_watch is not None:
+            news = self._imu_watch.step(imu is not None and imu.valid, self._seconds)
+            if news is not None:
+                self.note("imu", news)
+        if self._switch_watch is not None:
+            news = self._switch_watch.step(any(switch.closed is not None for switch in switches), self._seconds)
+            if news is not None:
+                self.note("feet", news)
 
     def _come_down(self) -> None:
         """Let a fault bring the robot down, switch torque off, and raise.

@@ -80,12 +80,19 @@ class ImuState(NamedTuple):
     valid: bool
 
 
-class ImuStatistics(NamedTuple):
-    """What an IMU said since its port was opened."""
+class FootSwitch(NamedTuple):
+    """What the switch under a foot last told."""
+
+    closed: bool | None  # None: unknown, as it was not heard for too long, or there is none
+    age: float  # s since it was last heard; infinite if it never was
+
+
+class SensorStatistics(NamedTuple):
+    """What a sensor that talks unasked said since its port was opened."""
 
     rx_bytes: int
     reports: int
-    stray_bytes: int  # that belonged to no measurement: garbled, or begun before the port was opened
+    stray_bytes: int  # that belonged to no report: garbled, or begun before the port was opened
     max_age: float  # s, the longest that it was silent
     failure: str | None  # of its port, in words
 

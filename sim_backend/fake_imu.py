@@ -11,13 +11,10 @@ from collections.abc import Callable, Mapping
 from random import Random
 from typing import NamedTuple
 
-from sim_backend.reply import Reply
-from sim_backend.simulated_clock import SimulatedClock
-from sim_backend.wire import SimulatedPort
+from sim_backend.talker import Talker
 
 Triple = tuple[float, float, float]
 
-_NS = 1_000_000_000
 _G = 9.80665  # m/s^2
 
 
@@ -43,36 +40,23 @@ class Felt(NamedTuple):
     acceleration: Triple  # m/s^2, at rest one g upwards
 
 
-class FakeImu:
-    """What hangs on the far end of its line; a `Device` that hears nothing."""
+class FakeImu(Talker):
+    """What hangs on the far end of its line."""
 
     def __init__(self, kind: SimulatedImu, felt: Callable[[], Felt], seed: int) -> None:
         """Make it; `felt` tells what its sensors have now."""
         self._kind = kind
         self._felt = felt
+        super().__init__(kind.rate_hz)
         self._chance = Random(f"imu {seed}")
         self._bias = [self._chance.gauss(0.0, kind.tilt_bias) for _ in range(2)]
         self._gyro_bias = [self._chance.gauss(0.0, kind.gyro_bias) for _ in range(3)]
         self._encode = _ENCODERS[kind.frames]
-        self._count = 0
+        self._count = -1  # of measurements
 
-    def receive(self, data: bytes, now: int, baud: int) -> list[Reply]:
-        """Hear nothing."""
-        return []
-
-    def begin(self, clock: SimulatedClock, port: SimulatedPort) -> None:
-        """Begin to talk, at a moment of its own."""
-        period = _NS / self._kind.rate_hz
-        first = self._chance.random() * period
-
-        def report() -> None:
-            port.volunteer(self._measure())
-            self._count += 1
-            clock.schedule(round(first + self._count * period), report)
-
-        clock.schedule(round(first), report)
-
-    def _measure(self) -> bytes:
+    def report(self) -> bytes:
+        """Return a measurement."""
+        self._count += 1
         kind, gauss, felt = self._kind, self._chance.gauss, self._felt()
         # Errors of tilt are small turns about the sensor's x and y.
         x, y = (0.5 * (bias + gauss(0.0, kind.tilt_noise)) for bias in self._bias)

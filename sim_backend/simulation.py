@@ -1,16 +1,19 @@
 """A simulated robot in one process and in lock-step: its world, its servos, its wires, one clock."""
 
 from collections.abc import Callable, Mapping, Sequence
+from random import Random
 from typing import NamedTuple
 
 from hal.register_map import ServoModel
 from robotwalk.model import RobotModel
-from sim_backend.adapter import ADAPTERS, Adapter, AdapterName
+from sim_backend.adapter import ADAPTERS, AdapterName
 from sim_backend.brands import make_device, make_servo
+from sim_backend.fake_foot_switches import FakeFootSwitches, SimulatedFootSwitches
 from sim_backend.fake_imu import FakeImu, SimulatedImu
 from sim_backend.fake_servo import FakeServo
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.simulated_clock import SimulatedClock
+from sim_backend.talker import Talker
 from sim_backend.terrain.course import FLAT, Ground
 from sim_backend.wire import SimulatedPort
 from sim_backend.world import Mounting, Truth, World
@@ -30,7 +33,7 @@ class SimulatedServo(NamedTuple):
 class SimulatedRobot:
     """A seated robot, torque off, whose servos have return delay 0.
 
-    Time passes only in `clock.wait`. Each of `ports` is the host's end of a bus or of the IMU's line; `observers` are
+    Time passes only in `clock.wait`. Each of `ports` is the host's end of a bus or of a sensor's line; `observers` are
     called after every physics step. `joints` and `buses` tell what each of `servos` moves and which bus it is on.
     """
 
@@ -38,10 +41,11 @@ class SimulatedRobot:
         self, model: RobotModel, servos: Sequence[SimulatedServo], bauds: Mapping[str, int], seated: Sequence[float],
         *, rate_hz: int, seed: int = 0, adapter: AdapterName = "none", supply_v: float | None = None,
         internal_resistance: float = 0.0, ground: Ground = FLAT, imu: tuple[str, SimulatedImu] | None = None,
+        foot_switches: tuple[str, SimulatedFootSwitches] | None = None,
     ) -> None:
         """Build the robot; `servos` and `seated` (rad) are in joint order; one supply (V, ohm) feeds them all.
 
-        `imu` is the name of a port and what talks there.
+        `imu` and `foot_switches` are the name of a port and what talks there.
 
         Raises:
             ValueError: a bus has a baud that its servos do not have, or servos of two protocols.
@@ -66,7 +70,11 @@ class SimulatedRobot:
             for bus, baud in bauds.items()
         }
         if imu is not None:
-            self._add_imu(*imu, ADAPTERS[adapter](), seed)
+            name, sensor = imu
+            self._add_talker(name, FakeImu(sensor, self.world.felt, seed), sensor.baud, adapter, seed)
+        if foot_switches is not None:
+            name, board = foot_switches
+            self._add_talker(name, FakeFootSwitches(board, self.world.pressed), board.baud, adapter, seed)
         self.observers: list[Callable[[], None]] = []
         self._steps = 0
         self._schedule_step()
@@ -75,10 +83,9 @@ class SimulatedRobot:
         """Return what is the case now."""
         return self.world.truth()
 
-    def _add_imu(self, name: str, kind: SimulatedImu, adapter: Adapter, seed: int) -> None:
-        device = FakeImu(kind, self.world.felt, seed)
-        self.ports[name] = SimulatedPort(self.clock, device, kind.baud, adapter)
-        device.begin(self.clock, self.ports[name])
+    def _add_talker(self, name: str, device: Talker, baud: int, adapter: AdapterName, seed: int) -> None:
+        self.ports[name] = SimulatedPort(self.clock, device, baud, ADAPTERS[adapter]())
+        device.begin(self.clock, self.ports[name], Random(f"{name} {seed}").random())
 
     def _on(self, bus: str, servos: Sequence[SimulatedServo]) -> list[FakeServo]:
         return [fake for fake, servo in zip(self.servos, servos, strict=True) if servo.bus == bus]

@@ -120,6 +120,16 @@ class World:
         w, x, y, z, gx, gy, gz, ax, ay, az = self.data.sensordata.tolist()
         return Felt((w, x, y, z), (gx, gy, gz), (ax, ay, az))
 
+    def pressed(self) -> list[float]:
+        """Return how hard each foot is pressed against something now, N, by leg."""
+        forces, force = dict.fromkeys(self._feet, 0.0), np.zeros(6)
+        for number, geoms in enumerate(self.data.contact.geom.tolist()):
+            for geom in geoms:
+                if geom in forces:
+                    mujoco.mj_contactForce(self.model, self.data, number, force)
+                    forces[geom] += float(force[0])  # along the contact's normal
+        return list(forces.values())
+
     def truth(self) -> Truth:
         """Return what is the case now."""
         qpos = self.data.qpos

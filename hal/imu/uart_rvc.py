@@ -14,9 +14,9 @@ import math
 import re
 import struct
 
-from hal.imu.framing import Framing
 from hal.imu.report import Report
 from hal.imu.rotation import about_x, about_y, about_z, product
+from hal.unasked_frames import Framing
 from robotwalk.types import Vec3
 
 FRAMING = Framing(re.compile(rb"\xaa\xaa"), size=19, summed_from=2)

@@ -12,9 +12,9 @@ import math
 import re
 import struct
 
-from hal.imu.framing import Framing
 from hal.imu.report import Report
 from hal.imu.rotation import of_euler
+from hal.unasked_frames import Framing
 from robotwalk.types import Vec3
 
 FRAMING = Framing(re.compile(rb"\x55[\x50-\x5f]"), size=11, summed_from=0)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from hal import bus_plan
 from hal.calibration import Calibration
 from hal.drive import response
-from hal.hardware import IMU_PORT, HardwareConfig, imu_problems, problems
+from hal.hardware import HardwareConfig, foot_switch_problems, imu_problems, problems
 from hal.imu.model import ImuModel
 from hal.joint_calibration import CalibrationConfig
 from hal.protocols import protocol_of
@@ -90,9 +90,8 @@ class Blueprint:
 
     @property
     def lines(self) -> dict[str, int]:
-        """The baud rate of each serial line: the buses, and the IMU's."""
-        imu = self.hardware.imu
-        return self.bauds if imu is None else {**self.bauds, IMU_PORT: imu.baud}
+        """The baud rate of each serial line: the buses, and those on which sensors talk."""
+        return {**self.bauds, **{name: sensor.baud for name, sensor in self.hardware.sensors.items()}}
 
     @cached_property
     def wiring(self) -> dict[str, list[Wired]]:
@@ -168,7 +167,10 @@ def build(files: Files) -> Blueprint:
     limits = {
         joint.name: (math.degrees(joint.lower), math.degrees(joint.upper)) for joint in model.joints}
     imus = {name: imu.validate(ImuModel) for name, imu in files.imus.items()}
-    for path, what, got in (*problems(hardware, limits, servos), *imu_problems(hardware, imus)):
+    legs = [leg.name for leg in model.legs]
+    for path, what, got in (
+        *problems(hardware, limits, servos), *imu_problems(hardware, imus), *foot_switch_problems(hardware, legs),
+    ):
         raise document.error(("hardware", *path), what, got)
     if model.levelling is not None and hardware.imu is None:
         raise document.error(("locomotion", "levelling"), "this needs an IMU, which hardware: imu does not have")

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from robotwalk.assembly.blueprint import Files, build
-from robotwalk.assembly.session import bus_of, imu_of, loop_of
+from robotwalk.assembly.session import bus_of, foot_switches_of, imu_of, loop_of
 from robotwalk.errors import UsageError
 from robotwalk.log import Log
 from robotwalk.loop import Loop
@@ -39,7 +39,8 @@ def replay(path: Path) -> Replay:
             clock = playback.clock()
             ports = {name: playback.port(name) for name in blueprint.lines}
             bus, imu = bus_of(blueprint, clock, ports), imu_of(blueprint, clock, ports)
-            return loop_of(blueprint, clock, bus, imu, rate_hz, playback.conclude)
+            switches = foot_switches_of(blueprint, clock, ports)
+            return loop_of(blueprint, clock, bus, imu, switches, rate_hz, playback.conclude)
 
         playback.run(make)
         difference = playback.difference

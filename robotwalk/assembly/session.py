@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import robotwalk
-from hal.hardware import IMU_PORT
+from hal.foot_switches.serial_foot_switches import SerialFootSwitches
+from hal.hardware import FEET_PORT, IMU_PORT
 from hal.imu.serial_imu import SerialImu
 from hal.protocols import protocol_of
 from hal.serial_transport import names_hardware, open_plainly, open_port
@@ -22,7 +23,7 @@ from robotwalk.estimator import Odometry
 from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate, JointLimit
 from robotwalk.loop import Loop
-from robotwalk.ports import BytePort, Clock, Imu, ServoBus
+from robotwalk.ports import BytePort, Clock, FootSwitches, Imu, ServoBus
 from robotwalk.recorder import Recorder, Row
 from robotwalk.robot import Robot
 from robotwalk.supervisor import Supervisor
@@ -53,7 +54,8 @@ def connect(
 
     Args:
         robot: its name, path or blueprint.
-        ports: URLs by the names of buses, and of the IMU as "imu", in place of those in the robot's file.
+        ports: URLs by the names of buses, of the IMU as "imu", of the foot switches as "feet", in place of those in
+            the robot's file.
         real: whether URLs may lead to a physical robot.
         rate_hz: ticks per second.
         log: where to record every tick.
@@ -71,7 +73,8 @@ def connect(
     try:
         for name, url in urls.items():
             # Only what answers to us may echo.
-            opened[name] = (open_plainly if name == IMU_PORT else open_port)(url, blueprint.lines[name])
+            sensor = name in blueprint.hardware.sensors
+            opened[name] = (open_plainly if sensor else open_port)(url, blueprint.lines[name])
         recorder = open_log(log, blueprint, rate_hz, urls)
     except BaseException:
         for port in opened.values():
@@ -84,18 +87,15 @@ def connect(
 
 
 def _urls(blueprint: Blueprint, ports: Mapping[str, str], real: bool) -> dict[str, str]:
-    """Return the URL of every bus, and of the IMU; a physical robot only if it was asked for."""
+    """Return the URL of every line; a physical robot only if it was asked for."""
     hardware, lines = blueprint.hardware, blueprint.lines
     for name in ports:
         if name not in lines:
             raise UsageError(f"{blueprint.model.name} has no bus {name!r}; it has {', '.join(lines)}")
-    own = {name: bus.port for name, bus in hardware.buses.items()}
-    if hardware.imu is not None:
-        own[IMU_PORT] = hardware.imu.port
-    urls = {name: ports.get(name, url) for name, url in own.items()}
+    urls = {name: ports.get(name, line.port) for name, line in (hardware.buses | hardware.sensors).items()}
     for name, url in urls.items():
         if not real and names_hardware(url):
-            what = name if name == IMU_PORT else f"bus {name}"
+            what = name if name in hardware.sensors else f"bus {name}"
             raise UsageError(f"{url} ({what}) may be a physical robot: say --real to open it")
     return urls
 
@@ -141,6 +141,16 @@ def imu_of(blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort]) ->
     return SerialImu(ports[IMU_PORT], clock, model.frames, config)
 
 
+def foot_switches_of(
+    blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort]
+) -> SerialFootSwitches | None:
+    """Put a robot's foot switches on their opened line, if it has any."""
+    config = blueprint.hardware.foot_switches
+    if config is None:
+        return None
+    return SerialFootSwitches(ports[FEET_PORT], clock, [leg.name for leg in blueprint.model.legs], config)
+
+
 def robot_of(
     blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort], rate_hz: int, recorder: Recorder | None,
     torque: float = 1.0,
@@ -151,20 +161,22 @@ def robot_of(
         clock = TapedClock(clock, recorder.tape)
     bus = bus_of(blueprint, clock, ports)
     record, tape = (recorder.put, recorder.tape) if recorder else (None, None)
-    imu = imu_of(blueprint, clock, ports)
-    loop = loop_of(blueprint, clock, bus, imu, rate_hz, record, tape)
+    imu, switches = imu_of(blueprint, clock, ports), foot_switches_of(blueprint, clock, ports)
+    loop = loop_of(blueprint, clock, bus, imu, switches, rate_hz, record, tape)
     robot = Robot(
-        blueprint.model, tuple(blueprint.gaits), loop, bus, imu=imu, recorder=recorder, torque=torque,
-        refused=blueprint.refused)
+        blueprint.model, tuple(blueprint.gaits), loop, bus, imu=imu, foot_switches=switches, recorder=recorder,
+        torque=torque, refused=blueprint.refused)
     return robot, bus
 
 
 def loop_of(
-    blueprint: Blueprint, clock: Clock, bus: ServoBus, imu: Imu | None, rate_hz: int,
+    blueprint: Blueprint, clock: Clock, bus: ServoBus, imu: Imu | None, switches: FootSwitches | None, rate_hz: int,
     record: Callable[[Row], None] | None = None, tape: Tape | None = None,
 ) -> Loop:
-    """Join the stages into a loop around a bus and an IMU, if there is one."""
+    """Join the stages into a loop around a bus, an IMU and foot switches, if there are any."""
     model = blueprint.model
+    by_load = rate_hz >= _FEELING_HZ
+    feels = model.contact is not None and (by_load or switches is not None)
     limits = [
         JointLimit(
             joint.lower, joint.upper, _GOAL_LEAD * drive.max_speed, _GOAL_LEAD * drive.max_speed / _FULL_SPEED_WITHIN)
@@ -176,6 +188,7 @@ def loop_of(
         clock=clock,
         bus=bus,
         imu=imu,
+        switches=switches,
         controller=Controller(model, blueprint.gaits, blueprint.default_gait),
         odometry=Odometry(model),
         feedforward=Feedforward(blueprint.drives),
@@ -183,5 +196,5 @@ def loop_of(
         supervisor=Supervisor(_STALE_AFTER),
         record=record,
         tape=tape,
-        sense=FootSense(model, blueprint.drives) if model.contact is not None and rate_hz >= _FEELING_HZ else None,
+        sense=FootSense(model, blueprint.drives, by_load=by_load) if feels else None,
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hal.hardware import IMU_PORT
+from hal.hardware import FEET_PORT, IMU_PORT
 from robotwalk.assembly.blueprint import Blueprint, load
 from robotwalk.assembly.session import RATE_HZ, Session, check_rate, open_log, robot_of
 from robotwalk.config import library
@@ -18,6 +18,7 @@ from sim_backend.faults.script import Script, read_script, stage
 from sim_backend.terrain.course import Terrain, read_terrain
 
 if TYPE_CHECKING:
+    from sim_backend.fake_foot_switches import SimulatedFootSwitches
     from sim_backend.fake_imu import SimulatedImu
     from sim_backend.film import Film
     from sim_backend.simulation import SimulatedRobot
@@ -92,14 +93,14 @@ def simulated_robot(
         supply_v=blueprint.hardware.power.supply_v,
         internal_resistance=blueprint.hardware.power.internal_resistance_ohm,
         ground=(terrain or load_terrain(FLAT)).lay_out(0.5 * blueprint.model.body_box.x, seed),
-        imu=_simulated_imu(blueprint))
+        imu=_simulated_imu(blueprint), foot_switches=_simulated_foot_switches(blueprint))
     stage(world, script, seed)
     return world
 
 
 def _read_faults(faults: Script, blueprint: Blueprint) -> list[Fault]:
     wiring = {joint: row.bus for joint, row in blueprint.hardware.joints.items()}
-    return read_script(faults, wiring, [name for name in blueprint.lines if name not in blueprint.bauds])
+    return read_script(faults, wiring, list(blueprint.hardware.sensors))
 
 
 def _simulated_imu(blueprint: Blueprint) -> "tuple[str, SimulatedImu] | None":
@@ -118,6 +119,17 @@ def _simulated_imu(blueprint: Blueprint) -> "tuple[str, SimulatedImu] | None":
         acceleration_noise=errors.acceleration_noise_mps2)
 
 
+def _simulated_foot_switches(blueprint: Blueprint) -> "tuple[str, SimulatedFootSwitches] | None":
+    """Return the name of the foot switches' port, and the board that is to talk there; None if the robot has none."""
+    from sim_backend.fake_foot_switches import SimulatedFootSwitches
+
+    config = blueprint.hardware.foot_switches
+    if config is None:
+        return None
+    inputs = tuple(config.inputs.get(leg.name) for leg in blueprint.model.legs)
+    return FEET_PORT, SimulatedFootSwitches(config.baud, config.rate_hz, inputs, config.closes_at_n)
+
+
 def serve(
     robot: str, *, pty: Path | None, tcp: str | None, adapter: AdapterName, seed: int, faults: Script,
     truth: Path | None, seconds: float | None, ready: Callable[[dict[str, str]], None], check: Callable[[], None],
@@ -125,8 +137,8 @@ def serve(
 ) -> None:
     """Serve a simulated robot in real time, as terminals in the folder `pty` or else at the address `tcp`.
 
-    `ready` is told the URL of each bus, and of the IMU. It ends after some `seconds`, or when `check` raises; `warn`
-    is told if this computer is too slow.
+    `ready` is told the URL of each bus and sensor. It ends after some `seconds`, or when `check` raises; `warn` is
+    told if this computer is too slow.
 
     Raises:
         UsageError: no such robot or terrain, or a place or a file that cannot be used.
@@ -140,7 +152,7 @@ def serve(
     blueprint, ground = load(robot), load_terrain(terrain)
     lines = blueprint.lines
     doors = (
-        open_ptys(pty, lines, unasked=(IMU_PORT,)) if pty is not None
+        open_ptys(pty, lines, unasked=tuple(blueprint.hardware.sensors)) if pty is not None
         else open_sockets(parse_address(tcp or ""), lines))
     world = simulated_robot(blueprint, RATE_HZ, seed, adapter, faults, ground)
     serve(world, blueprint.model, doors, truth=truth, seconds=seconds, ready=ready, check=check, warn=warn)

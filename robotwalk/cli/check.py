@@ -58,6 +58,7 @@ def check(
                 for bus in buses
             },
             **_imu_fields(blueprint),
+            **_foot_switch_fields(blueprint),
             "supply": {
                 "stall_a": round(supply.stall_a, 2), "stated_a": supply.stated_a, "supply_v": supply.supply_v,
                 "sag_at_stall_v": round(supply.sag_v, 2), "servos_without_sheet": supply.unknown},
@@ -65,6 +66,7 @@ def check(
     else:
         _show(blueprint, gaits, buses, rate)
         _show_imu(blueprint)
+        _show_foot_switches(blueprint)
         _show_supply(supply)
         for problem in problems:
             say(f"problem: {problem}")
@@ -151,6 +153,23 @@ def _show_imu(blueprint: assembly.Blueprint) -> None:
         say(f"IMU: {imu['kind']}, {imu['rate_hz']:g} Hz at {imu['baud']} baud, "
             f"mounted at roll {roll:g}, pitch {pitch:g}, yaw {yaw:g} deg; "
             f"the body is {'' if imu['levels'] else 'not '}kept level by it")
+
+
+def _foot_switch_fields(blueprint: assembly.Blueprint) -> dict[str, Any]:
+    """Return what is to be said of the foot switches; nothing without any."""
+    switches = blueprint.hardware.foot_switches
+    if switches is None:
+        return {}
+    return {"foot_switches": {
+        "inputs": switches.inputs, "rate_hz": switches.rate_hz, "baud": switches.baud,
+        "stale_after_s": switches.stale_after_s, "used": blueprint.model.contact is not None}}
+
+
+def _show_foot_switches(blueprint: assembly.Blueprint) -> None:
+    for switches in _foot_switch_fields(blueprint).values():
+        say(f"foot switches: {', '.join(switches['inputs'])}, {switches['rate_hz']:g} Hz at {switches['baud']} baud; "
+            + (f"silent for {switches['stale_after_s']:g} s, feet go by their loads" if switches["used"]
+               else "nothing goes by them without locomotion: contact"))
 
 
 def _gait_fields(gait: _Judged) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from robotwalk.types import ImuState, ImuStatistics
+from robotwalk.types import ImuState, SensorStatistics
 
 
 class ImuReport:
@@ -27,7 +27,7 @@ class ImuReport:
         """Whether it told anything."""
         return self._count > 0
 
-    def fields(self, statistics: ImuStatistics | None) -> dict[str, Any]:
+    def fields(self, statistics: SensorStatistics | None) -> dict[str, Any]:
         """Return the field `imu` of a report; none if the robot has no IMU."""
         if statistics is None:
             return {}

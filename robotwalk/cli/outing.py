@@ -18,7 +18,7 @@ from robotwalk.loop import Tick
 from robotwalk.robot import check_command, check_duration
 from robotwalk.supervisor import State
 from robotwalk.timing import Histogram
-from robotwalk.types import BusStatistics, Command, Pose, Vec3
+from robotwalk.types import BusStatistics, Command, Pose, SensorStatistics, Vec3
 from robotwalk.velocity import feasible
 
 _GRAVITY = 9.81  # m/s^2
@@ -142,7 +142,7 @@ class Outing:
         loop, model = self._robot.loop, self._robot.model
         truth, odometry = self._truth.summary(), self._odometry.summary()
         seconds = self._walking_ticks / loop.rate_hz
-        simulated = self._world is not None
+        simulated, switches = self._world is not None, self._robot.foot_switch_statistics()
         work = model.mass * _GRAVITY * abs(truth.distance)
         return {
             "robot": model.name,
@@ -169,9 +169,10 @@ class Outing:
             "energy_j": self._energy if simulated else None,
             "cost_of_transport": self._energy / work if simulated and work > 0.0 else None,
             "bus": {
-                name: _bus_fields(line) for name, line in self._robot.bus_statistics().items()
+                name: _in_ms(line) for name, line in self._robot.bus_statistics().items()
             },
             **self._imu.fields(self._robot.imu_statistics()),
+            **({"foot_switches": _in_ms(switches)} if switches is not None else {}),
             "timing": {
                 "missed_deadlines": loop.missed,
                 "wake_us": _rounded(loop.wake), "tick_us": _rounded(loop.compute), "bus_us": _rounded(loop.exchange)},
@@ -273,7 +274,8 @@ class Outing:
         return hashlib.sha256(f"{self._robot.loop.digest()} {truth}".encode()).hexdigest()
 
 
-def _bus_fields(line: BusStatistics) -> dict[str, Any]:
+def _in_ms(line: BusStatistics | SensorStatistics) -> dict[str, Any]:
+    """Return the fields of a line, its largest age in ms."""
     fields = line._asdict()
     return fields | {"max_age_ms": 1e3 * fields.pop("max_age")}
 

@@ -34,7 +34,7 @@ def sim(
         A bundled name (see `robotwalk list robots`), or the path of a YAML file.
     pty
         Make a pseudo terminal for each bus and link it as DIR/BUS. Its servos hear what is sent at their baud rate.
-        A robot that has an IMU also gets DIR/imu, on which that talks.
+        A robot that has an IMU also gets DIR/imu, on which that talks; one that has foot switches, DIR/feet.
     tcp
         Instead, listen at HOST:PORT, the next bus at the port after it. Only on this computer.
     adapter

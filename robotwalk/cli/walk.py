@@ -84,7 +84,8 @@ def walk(
     faults
         What goes wrong in the simulation, and when: a YAML file (see `robotwalk list faults`).
     port
-        BUS=URL: walk what is on this line, in real time. Once for each bus, and imu=URL for the IMU.
+        BUS=URL: walk what is on this line, in real time. Once for each bus; imu=URL is the IMU's, feet=URL
+        the foot switches'.
     real
         Open the ports that the robot's file names, or physical ones given by --port. The robot will move.
     hang

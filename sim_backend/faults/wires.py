@@ -22,7 +22,7 @@ class Noise(LastingFault):
     """
 
     fault: Literal["noise"]
-    bus: Annotated[str | None, Field(description="only this bus; imu: only the line of the IMU")] = None
+    bus: Annotated[str | None, Field(description="only this bus; imu, feet: only that sensor's line")] = None
     largest: Annotated[int, Field(ge=1, le=1000, description="bytes of the longest burst")] = 8
     every_ms: Annotated[float, Field(ge=0.1, le=1e6, description="ms from one burst to the next")] = 10.0
 
@@ -48,14 +48,14 @@ class Noise(LastingFault):
 
 
 class Unplug(LastingFault):
-    """The data line of a bus, or of the IMU, is cut: the host and what is on it hear nothing of each other.
+    """The data line of a bus, or of a sensor, is cut: the host and what is on it hear nothing of each other.
 
     What is on it keeps its power: servos go on towards their last goals. It is silence on a served port too: what was
     pulled is the cable behind the adapter.
     """
 
     fault: Literal["unplug"]
-    bus: Annotated[str, Field(description="name of the bus; imu: the line of the IMU")]
+    bus: Annotated[str, Field(description="name of the bus; imu, feet: that sensor's line")]
 
     def begin(self, robot: "SimulatedRobot", chance: Random) -> End:
         """Let it happen to a robot now; return what ends it."""

@@ -4,13 +4,13 @@ import sys
 import time
 from random import Random
 
-from . import fakes, hosts, imus
+from . import fakes, hosts, sensors
 
 
 def main(inputs: int = 20_000, first: int = 0) -> None:
     """Run all trials; the first that fails ends it, and its seed is told."""
     total, began = 0, time.monotonic()
-    for name, trial in [*hosts.trials(), *fakes.trials(), *imus.trials()]:
+    for name, trial in [*hosts.trials(), *fakes.trials(), *sensors.trials()]:
         size = 0
         for seed in range(first, first + inputs):
             try:

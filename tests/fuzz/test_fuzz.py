@@ -5,11 +5,11 @@ from random import Random
 
 import pytest
 
-from . import fakes, hosts, imus
+from . import fakes, hosts, sensors
 
 _INPUTS = 1000  # of each
 
-TRIALS = dict([*hosts.trials(), *fakes.trials(), *imus.trials()])
+TRIALS = dict([*hosts.trials(), *fakes.trials(), *sensors.trials()])
 
 
 @pytest.mark.parametrize("name", TRIALS)

@@ -146,10 +146,12 @@ def test_an_imu_that_cannot_be_is_refused_with_its_line(imu: str, complaint: str
     assert complaint in str(caught.value)
 
 
-def test_it_is_one_more_port_of_the_simulated_device(tmp_path: Path) -> None:
+def test_it_is_one_more_port_of_the_simulated_device_and_so_are_foot_switches(tmp_path: Path) -> None:
     robot = with_imu(tmp_path, KINDS["bno085-rvc"])
+    robot.write_text(robot.read_text().replace(
+        "hardware:\n", "hardware:\n  foot_switches: {port: /dev/ttyUSB2, inputs: {lf: 0, lm: 1, rr: 9}}\n"))
     with served(str(robot), "--pty", str(tmp_path / "dev")) as urls:
-        assert urls == {"legs": str(tmp_path / "dev" / "legs"), "imu": str(tmp_path / "dev" / "imu")}
+        assert urls == {name: str(tmp_path / "dev" / name) for name in ("legs", "imu", "feet")}
         time.sleep(0.5)  # while nobody listens
         late = os.open(urls["imu"], os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY)
         with contextlib.suppress(BlockingIOError):
@@ -162,6 +164,7 @@ def test_it_is_one_more_port_of_the_simulated_device(tmp_path: Path) -> None:
         session.robot.observers.append(lambda tick: seen.append(tick.estimate.imu))
         with session.robot:
             session.robot.stand()
+            standing = [switch.closed for switch in session.robot.state.switches]
         statistics = session.robot.imu_statistics()
     assert statistics is not None
     assert statistics.reports > 50
@@ -169,6 +172,10 @@ def test_it_is_one_more_port_of_the_simulated_device(tmp_path: Path) -> None:
     assert len(heard) > 0.8 * len(seen)
     assert abs(heard[-1].roll) < 0.1
     assert session.robot.state.odometry.roll == heard[-1].roll
+    switches = session.robot.foot_switch_statistics()
+    assert switches is not None
+    assert switches.reports > 100
+    assert standing == [True, True, None, None, None, True]
 
 
 @pytest.mark.parametrize("levelling", ["", "  levelling: {}\n"])

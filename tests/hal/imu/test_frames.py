@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hal.imu import uart_rvc, witmotion
-from hal.imu.framing import FrameReceiver
 from hal.imu.rotation import inverse, to_euler, turned
+from hal.unasked_frames import FrameReceiver
 from robotwalk.types import UP, Vec3
 
 # BNO080 data sheet 1000-3927, 1.3.5.2: index 222, yaw 0.01, pitch -1.10, roll 20.85 deg; -371, -20, 977 mg.

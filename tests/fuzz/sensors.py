@@ -1,12 +1,12 @@
-"""What the host makes of an IMU's garbled line: no frame that was not there, and the next one whole."""
+"""What the host makes of a sensor's garbled line: no frame that was not there, and the next one whole."""
 
 import struct
 from collections.abc import Callable, Iterator
 from random import Random
 
+from hal.foot_switches import frame as foot_switches
 from hal.imu import uart_rvc, witmotion
-from hal.imu.framing import FrameReceiver, Framing
-from hal.imu.report import Report
+from hal.unasked_frames import FrameReceiver, Framing
 
 from .garble import garbled, pieces
 
@@ -21,8 +21,13 @@ def _packet(rng: Random) -> bytes:
     return body + bytes([sum(body) % 256])
 
 
+def _switches(rng: Random) -> bytes:
+    body = b"FS" + rng.randbytes(2)
+    return body + bytes([sum(body) % 256])
+
+
 def _line(
-    framing: Framing, make: Callable[[Random], bytes], decoder: Callable[[], Callable[[bytes], Report | None]]
+    framing: Framing, make: Callable[[Random], bytes], decoder: Callable[[], Callable[[bytes], object]]
 ) -> Callable[[Random], bytes]:
     receiver, decode = FrameReceiver(framing), decoder()
 
@@ -51,3 +56,4 @@ def trials() -> Iterator[tuple[str, Callable[[Random], bytes]]]:
     """Return every one, with its name."""
     yield "IMU, UART-RVC", _line(uart_rvc.FRAMING, _rvc, lambda: uart_rvc.decode)
     yield "IMU, WitMotion", _line(witmotion.FRAMING, _packet, witmotion.Decoder)
+    yield "foot switches", _line(foot_switches.FRAMING, _switches, lambda: foot_switches.decode)

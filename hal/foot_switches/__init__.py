@@ -1,0 +1,1 @@
+"""Foot switches on a board that talks unasked: bytes -> which feet are on the ground."""
