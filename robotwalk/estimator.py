@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 from robotwalk.body import advanced
 from robotwalk.contact import Felt
-from robotwalk.kinematics import solver_for
 from robotwalk.model import RobotModel
 from robotwalk.types import LEVEL, FootSwitch, ImuState, JointState, Pose, Twist, Vec3
 
@@ -33,28 +32,30 @@ class Odometry:
     """Integrates the motion of the standing feet."""
 
     def __init__(self, model: RobotModel) -> None:
-        self._legs = tuple((leg.span, solver_for(leg)) for leg in model.legs)
+        self._spans = tuple(leg.span for leg in model.legs)
         self._foot_radius = model.foot_radius
         self._planted_for = [0.0] * len(model.legs)
         self._feet: list[Vec3 | None] = [None] * len(model.legs)
         self._pose = LEVEL._replace(z=model.heights.sit)
 
-    def step(self, state: JointState, planted: Sequence[bool], commanded: Twist, dt: float) -> Estimate:
+    def step(
+        self, state: JointState, feet: Sequence[Vec3], planted: Sequence[bool], commanded: Twist, dt: float
+    ) -> Estimate:
         """Take one measurement.
 
         Args:
             state: the joints.
+            feet: where that has their centres, in the base frame, m.
             planted: which feet stand; empty where none is known to.
             commanded: the twist to go by where too few feet stand.
             dt: s since the last measurement.
         """
         pairs: list[tuple[Vec3, Vec3]] = []
-        for index, (span, solver) in enumerate(self._legs):
+        for index, (span, now) in enumerate(zip(self._spans, feet, strict=True)):
             self._planted_for[index] = self._planted_for[index] + dt if planted and planted[index] else 0.0
             before = self._feet[index]
             self._feet[index] = None
             if all(state.valid[span]):
-                now = solver.foot(state.position[span])
                 self._feet[index] = now
                 if before is not None and self._planted_for[index] >= _SETTLING:
                     pairs.append((before, now))

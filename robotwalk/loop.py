@@ -207,8 +207,9 @@ class Loop:
     ) -> Tick:
         """Everything between the bytes read and the goals for the next write."""
         wanted = self._wanted
-        estimate = told_by(imu, switches, self._odometry.step(joints, wanted.planted, wanted.twist, dt))
-        stable = stability(self._masses, joints.position, wanted.planted, estimate.pose)
+        centre, feet = self._masses.centre_and_feet(joints.position)
+        estimate = told_by(imu, switches, self._odometry.step(joints, feet, wanted.planted, wanted.twist, dt))
+        stable = stability(centre, feet, wanted.planted, estimate.pose)
         if self._sense is not None and wanted.legs:
             lying = tilted(wanted.pose, imu)
             up = up_in_base(lying.roll, lying.pitch)

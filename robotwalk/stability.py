@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from robotwalk.support import Masses, support_margin
+from robotwalk.support import support_margin
 from robotwalk.types import Pose, Vec3
 
 
@@ -20,16 +20,15 @@ class Stability(NamedTuple):
     margin: float | None  # m to the edge of the feet's polygon, negative outside; None: they span none
 
 
-def stability(masses: Masses, angles: Sequence[float], planted: Sequence[bool], pose: Pose) -> Stability:
+def stability(centre: Vec3, feet: Sequence[Vec3], planted: Sequence[bool], pose: Pose) -> Stability:
     """Return the static stability.
 
     Args:
-        masses: of the robot.
-        angles: of all joints, rad.
+        centre: of mass, in the base frame, m.
+        feet: all feet's centres in the base frame, m.
         planted: which feet stand; empty where none is known to.
         pose: of the base; only its roll and pitch matter.
     """
-    centre, feet = masses.centre_and_feet(angles)
     standing = [foot for foot, stands in zip(feet, planted, strict=False) if stands]
     if pose.roll != 0.0 or pose.pitch != 0.0:
         centre, *standing = _levelled(pose, [centre, *standing])

@@ -8,6 +8,7 @@ import pytest
 
 from robotwalk.estimator import Estimate, Odometry
 from robotwalk.model import RobotModel
+from robotwalk.support import Masses
 from robotwalk.types import Command, JointState, Twist
 
 DT = 0.01
@@ -21,6 +22,13 @@ def heard(angles: Sequence[float], *, lost: Sequence[int] = ()) -> JointState:
         tuple(i not in lost for i in range(n)), (0.0,) * n)
 
 
+def step(
+    odometry: Odometry, model: RobotModel, joints: JointState, planted: Sequence[bool], commanded: Twist
+) -> Estimate:
+    _, feet = Masses(model).centre_and_feet(joints.position)
+    return odometry.step(joints, feet, planted, commanded, DT)
+
+
 def measured(
     robot: Any, twist: Twist, seconds: float = 10.0, gait: str | None = None, lost: Sequence[int] = ()
 ) -> tuple[list[Estimate], list[Any]]:
@@ -28,8 +36,8 @@ def measured(
     odometry = Odometry(robot.model)
     estimates, frames = [], robot.walk(Command(twist, gait=gait), seconds)
     for frame in frames:
-        estimates.append(odometry.step(
-            heard(frame.wanted.angles, lost=lost), frame.wanted.planted, frame.wanted.twist, DT))
+        joints = heard(frame.wanted.angles, lost=lost)
+        estimates.append(step(odometry, robot.model, joints, frame.wanted.planted, frame.wanted.twist))
     return estimates, frames
 
 
@@ -56,7 +64,7 @@ def test_it_needs_no_word_of_the_command(robot: Any) -> None:
     """The feet alone tell: a body that is told to go and does not, does not go."""
     odometry, still = Odometry(robot.model), robot.stand_up()[-1]
     for _ in range(200):
-        estimate = odometry.step(heard(still.wanted.angles), (True,) * 6, Twist(0.1, 0.0, 0.5), DT)
+        estimate = step(odometry, robot.model, heard(still.wanted.angles), (True,) * 6, Twist(0.1, 0.0, 0.5))
     assert estimate.standing_feet == 6
     # Feet count 60 ms after they were set down; until then the command is all there is.
     assert math.hypot(estimate.pose.x, estimate.pose.y) < 0.1 * 0.07
@@ -85,7 +93,8 @@ def test_with_too_few_feet_it_goes_by_the_command(
 ) -> None:
     odometry, still = Odometry(robot.model), robot.stand_up()[-1]
     for _ in range(100):
-        estimate = odometry.step(heard(still.wanted.angles, lost=lost), planted, Twist(0.1, 0.0, math.pi / 2.0), DT)
+        joints = heard(still.wanted.angles, lost=lost)
+        estimate = step(odometry, robot.model, joints, planted, Twist(0.1, 0.0, math.pi / 2.0))
     assert estimate.standing_feet < 2
     radius = 0.1 / (math.pi / 2.0)
     assert estimate.pose[:2] == pytest.approx((radius, radius))
@@ -93,5 +102,5 @@ def test_with_too_few_feet_it_goes_by_the_command(
 
 
 def test_it_begins_seated(hexapod: RobotModel) -> None:
-    estimate = Odometry(hexapod).step(heard([0.0] * 18), (), Twist(0.0, 0.0, 0.0), DT)
+    estimate = step(Odometry(hexapod), hexapod, heard([0.0] * 18), (), Twist(0.0, 0.0, 0.0))
     assert estimate.pose == (0.0, 0.0, 0.03, 0.0, 0.0, 0.0)

@@ -39,7 +39,7 @@ def test_centre_and_feet_are_those_of_the_chains(name: str, drawn: list[float]) 
 def stance(model: RobotModel, *standing: int, roll: float = 0.0, pitch: float = 0.0) -> float | None:
     planted = [index in standing for index in range(len(model.legs))]
     angles = resting_angles(model, model.heights.stand)
-    return stability(Masses(model), angles, planted, LEVEL._replace(roll=roll, pitch=pitch)).margin
+    return stability(*Masses(model).centre_and_feet(angles), planted, LEVEL._replace(roll=roll, pitch=pitch)).margin
 
 
 def test_a_hexapod_on_its_tripod_and_on_fewer_feet() -> None:
@@ -58,8 +58,8 @@ def test_on_a_slope_the_centre_of_mass_moves_downhill() -> None:
     assert level is not None
     # The nose up by 20 deg: the centre of mass, 90 mm above the feet, moves back by 31 mm over them.
     angles = resting_angles(model, model.heights.stand)
-    uphill = stability(Masses(model), angles, [True] * 6, LEVEL._replace(pitch=math.radians(-20.0)))
-    base = stability(Masses(model), angles, [True] * 6, LEVEL)
+    uphill = stability(*Masses(model).centre_and_feet(angles), [True] * 6, LEVEL._replace(pitch=math.radians(-20.0)))
+    base = stability(*Masses(model).centre_and_feet(angles), [True] * 6, LEVEL)
     over = [found.centre.x - sum(foot.x for foot in found.standing) / 6.0 for found in (base, uphill)]
     above = base.centre.z - base.standing[0].z
     assert over[1] - over[0] == pytest.approx(-above * math.sin(math.radians(20.0)), abs=1e-9)
