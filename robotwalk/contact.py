@@ -115,8 +115,7 @@ class _Foot:
         torques: list[float] = []
         momenta: list[float] = []
         for (torque, damping, friction, inertia), effort, speed in zip(self._motors, efforts, speeds, strict=True):
-            creep = speed / _CREEP
-            direction = creep if -1.0 < creep < 1.0 else math.copysign(1.0, creep)
+            direction = speed / _CREEP if -_CREEP < speed < _CREEP else math.copysign(1.0, speed)
             torques.append(torque * effort - damping * speed - friction * direction)
             momenta.append(inertia * speed)
         return _Sample(torques, momenta)

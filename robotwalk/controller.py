@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from robotwalk.body import Body, in_odom, placed, seen_from, up_axis
-from robotwalk.contact import Sense, sag
+from robotwalk.contact import Felt, Sense, sag
 from robotwalk.estimator import Estimate, tilted
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.kinematics import solver_for
@@ -113,7 +113,7 @@ class Controller:
         self._waiting = self._balance(pose, twist)
         rocked = self._rocking.step(self._sway.step(pose, dt), self._clock, not self._idle, dt)
         self._pose = self._reaction.step(
-            rocked, self._clock, self._stepping.footfalls(), self._body.course, not self._idle, dt)
+            rocked, self._clock, self._footfalls, self._body.course, not self._idle, dt)
         footfalls = self._footfalls = self._step_feet(twist, estimate, dt)
         angles, reach_error = self._angles(footfalls)
         statics = self._bearing.step(angles, tilted(self._pose, estimate.imu), footfalls.planted, dt)
@@ -145,7 +145,7 @@ class Controller:
                 share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
         if self._footfalls.searching:
             share = 0.0
-        pushes = self._propulsion.step(self._clock, self._stepping.footfalls().planted, self._idle)
+        pushes = self._propulsion.step(self._clock, self._footfalls.planted, self._idle)
         if share >= 1.0 and faster > 1.0:
             most, _ = feasible(Twist(*(faster * v for v in aim)), self._model.motion, gait)
             share = math.hypot(*most) / math.hypot(*aim)
@@ -196,7 +196,7 @@ class Controller:
         until_lift_off = stepping.until_lift_off(clock)
         if not balanced:
             return self._sway.release(until_lift_off)
-        return self._sway.plan(clock, stepping.footfalls(), self._foot_course, pose, twist, until_lift_off)
+        return self._sway.plan(clock, self._footfalls, self._foot_course, pose, twist, until_lift_off)
 
     def _over_ground(self, pose: Pose, dt: float) -> Pose:
         """Lay the body over its feet."""
@@ -207,7 +207,8 @@ class Controller:
         feet = self._footfalls.stood
         if model.orientation is not None and model.orientation.in_swing:
             feet = self._footfalls.centres
-        grounded = [foot._replace(z=foot.z - model.foot_radius) for foot in feet]
+        radius = model.foot_radius
+        grounded = [Vec3(x, y, z - radius) for x, y, z in feet]
         course = self._body.course
         change = self._orientation.step(grounded, course, dt)
         # Feet rest below the body along its own axis (ARTH section 5.3): legs fit it however far odom's tilt is off.
@@ -234,18 +235,28 @@ class Controller:
         self._felt = contact is not None and self._fastest_foot <= contact.fastest and bool(estimate.felt)
         if not self._felt:
             return None
-        senses: list[Sense | None] = []
         pose, falls = self._pose, self._footfalls
         standing = [
             stands and felt is not None and felt.touching
             for stands, felt in zip(falls.planted, estimate.felt, strict=True)]
         give = sag(seen_from(pose, falls.stood), estimate.feet, standing)
+        heard: list[Felt | None] = []
+        vectors: list[Vec3] = []
         for foot, felt in zip(estimate.feet, estimate.felt, strict=True):
             if foot is None or felt is None:
+                heard.append(None)
+            else:
+                heard.append(felt)
+                vectors += Vec3(foot.x, foot.y, foot.z - give.at(foot)), felt.force
+        turned = iter(in_odom(pose, vectors))
+        senses: list[Sense | None] = []
+        for felt in heard:
+            if felt is None:
                 senses.append(None)
-                continue
-            (x, y, z), push = in_odom(pose, (foot._replace(z=foot.z - give.at(foot)), felt.force))
-            senses.append(Sense(Vec3(pose.x + x, pose.y + y, pose.z + z), push, felt.touching, felt.sure))
+            else:
+                x, y, z = next(turned)
+                place = Vec3(pose.x + x, pose.y + y, pose.z + z)
+                senses.append(Sense(place, next(turned), felt.touching, felt.sure))
         return senses
 
     def _angles(self, footfalls: Footfalls) -> tuple[list[float], float]:

@@ -7,6 +7,7 @@ where a soft servo loses some of its way to friction at each turn; and its body 
 legs take turns at bearing it.
 """
 
+import math
 from collections.abc import Sequence
 
 from robotwalk.types import DriveResponse
@@ -18,7 +19,7 @@ class Feedforward:
     """Inverts the drives' response, with differences of the wanted angles over the ticks."""
 
     def __init__(self, responses: Sequence[DriveResponse]) -> None:
-        self._responses = tuple(responses)
+        self._responses = tuple((drive.damping, drive.inertia, drive.friction, drive.stiffness) for drive in responses)
         self._last: Sequence[float] = ()
         self._before: Sequence[float] = ()
 
@@ -29,14 +30,12 @@ class Feedforward:
     def step(self, wanted: Sequence[float], torques: Sequence[float], dt: float) -> list[float]:
         """Return the goals for the wanted angles, `dt` s after the last ones; the joints bear `torques`, N m."""
         goals = []
-        for q, q1, q2, torque, response in zip(
+        for q, q1, q2, torque, (damping, inertia, friction, stiffness) in zip(
             wanted, self._last, self._before, torques, self._responses, strict=True,
         ):
             speed = (q - q1) / dt
             acceleration = (q - 2.0 * q1 + q2) / (dt * dt)
-            direction = min(max(speed / _CREEP, -1.0), 1.0)
-            goals.append(
-                q + response.damping * speed + response.inertia * acceleration + response.friction * direction
-                + torque / response.stiffness)
+            direction = speed / _CREEP if -_CREEP < speed < _CREEP else math.copysign(1.0, speed)
+            goals.append(q + damping * speed + inertia * acceleration + friction * direction + torque / stiffness)
         self._before, self._last = self._last, wanted
         return goals

@@ -2,7 +2,6 @@
 
 import math
 
-from robotwalk.body import placed
 from robotwalk.gait import Sector
 from robotwalk.model import Leg
 from robotwalk.search import Search
@@ -81,10 +80,10 @@ class Foot:
 
     def offset(self, course: Pose) -> tuple[float, float]:
         """Return where the foot is from its rest position, in the body's axes, m."""
-        x, y = placed(course, self.leg.rest_foot)
-        dx, dy = self.place.x - x, self.place.y - y
+        place, rest = self.place, self.leg.rest_foot
+        dx, dy = place.x - course.x, place.y - course.y
         c, s = math.cos(course.yaw), math.sin(course.yaw)
-        return c * dx + s * dy, c * dy - s * dx
+        return c * dx + s * dy - rest.x, c * dy - s * dx - rest.y
 
     def displacement(self, course: Pose) -> float:
         """Return how far the foot is from its rest position, m."""

@@ -47,17 +47,27 @@ class _Following:
         self.value += self.rate * dt
 
 
+class _Pair(NamedTuple):
+    """Two feet, by their legs' numbers, and how much they count."""
+
+    first: int
+    second: int
+    weight: float
+
+
 class Orientation:
     """Follows the plane of one robot's feet."""
 
     def __init__(self, model: RobotModel, settings: OrientationSettings) -> None:
         self._settings = settings
-        self._legs = model.legs
         left = _from_front(model.legs, 1.0)
         right = _from_front(model.legs, -1.0)
-        self._front = {side[0] for side in (left, right) if side}
-        self._behind = [*pairwise(left), *pairwise(right)]
-        self._beside = [(a, b) for a, b in zip(left, right, strict=False) if a != b]
+        foremost = {side[0] for side in (left, right) if side}
+        # The frontal bias is for pitch alone.
+        self._behind = [
+            _Pair(a, b, 1.0 + settings.frontal_bias if a in foremost else 1.0)
+            for a, b in (*pairwise(left), *pairwise(right))]
+        self._beside = [_Pair(a, b, 1.0) for a, b in zip(left, right, strict=False) if a != b]
         self._pitch, self._roll, self._height = _Following(), _Following(), _Following()
 
     @property
@@ -76,13 +86,15 @@ class Orientation:
         settings = self._settings
         c, s = math.cos(course.yaw), math.sin(course.yaw)
         seen: list[tuple[float, float, float]] = []
-        for foot in feet:
-            dx, dy = foot.x - course.x, foot.y - course.y
-            seen.append((c * dx + s * dy, c * dy - s * dx, foot.z))
+        mx = my = mz = 0.0
+        for fx, fy, z in feet:
+            dx, dy = fx - course.x, fy - course.y
+            x, y = c * dx + s * dy, c * dy - s * dx
+            seen.append((x, y, z))
+            mx, my, mz = mx + x, my + y, mz + z
         ahead, left = self._slopes(seen)
         count = len(seen)
-        x, y, z = (sum(foot[axis] for foot in seen) / count for axis in range(3))
-        height = z - ahead * x - left * y
+        height = mz / count - ahead * mx / count - left * my / count
         c1, c2 = settings.c1, settings.c2
         self._pitch.step(-math.atan(ahead), c1, c2, dt)
         self._roll.step(math.atan(left), c1, c2, dt)
@@ -101,32 +113,26 @@ class Orientation:
         return self._full_slope(feet, self._behind, 0), self._full_slope(feet, self._beside, 1)
 
     def _slope(
-        self, feet: Sequence[tuple[float, float, float]], pairs: Sequence[tuple[int, int]], axis: int
+        self, feet: Sequence[tuple[float, float, float]], pairs: Sequence[_Pair], axis: int
     ) -> float:
         """Return the difference in elevation over the distance, both summed over the pairs."""
         rise = run = 0.0
-        for a, b in pairs:
-            weight = self._weight(a, axis)
+        for a, b, weight in pairs:
             rise += weight * (feet[a][2] - feet[b][2])
             run += weight * (feet[a][axis] - feet[b][axis])
         return rise / run if run > 0.0 else 0.0
 
     def _full_slope(
-        self, feet: Sequence[tuple[float, float, float]], pairs: Sequence[tuple[int, int]], axis: int
+        self, feet: Sequence[tuple[float, float, float]], pairs: Sequence[_Pair], axis: int
     ) -> float:
         """Return the slope of the mean of the normalised vectors between the pairs."""
         rise = run = 0.0
-        for a, b in pairs:
+        for a, b, weight in pairs:
             up, along = feet[a][2] - feet[b][2], feet[a][axis] - feet[b][axis]
             length = math.hypot(up, along)
             if along > 0.0:
-                weight = self._weight(a, axis) / length
-                rise, run = rise + weight * up, run + weight * along
+                rise, run = rise + weight * up / length, run + weight * along / length
         return rise / run if run > 0.0 else 0.0
-
-    def _weight(self, front: int, axis: int) -> float:
-        """Return how much a pair counts whose first foot is `front`: the frontal bias is for pitch alone."""
-        return 1.0 + self._settings.frontal_bias if axis == 0 and front in self._front else 1.0
 
 
 def _from_front(legs: Sequence[Leg], side: float) -> list[int]:

@@ -47,8 +47,9 @@ class Propulsion:
         for foot, stands in enumerate(planted):
             if not stands:
                 self._rested[foot] = False
-            elif self._rested[foot] or step_at(clock.gait.feet[foot], clock.phase).stage is Stage.PROPULSION:
-                pushes = True
+            elif not pushes:
+                pushes = (
+                    self._rested[foot] or step_at(clock.gait.feet[foot], clock.phase).stage is Stage.PROPULSION)
         return pushes
 
 
