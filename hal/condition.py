@@ -58,11 +58,12 @@ class ConditionRota:
 
     Attributes:
         limp: the slots of servos that said that their torque is off.
-        tripped: the slots whose bus watchdog was found to have tripped; whoever sees to it takes them out.
+        tripped: the slots whose bus watchdog has tripped, or may have; see `rearm`.
     """
 
     def __init__(self, protocol: ServoProtocol, servos: Sequence[Wired]) -> None:
         self.tripped: set[int] = set()
+        self._rearmed: set[int] = set()  # since the last read was sent
         self._servos = tuple(servos)
         self._turns: deque[Probe] = deque()
         self._hurried: deque[Probe] = deque()
@@ -92,6 +93,7 @@ class ConditionRota:
 
     def next(self, deaf: Collection[int]) -> Probe | None:
         """Return the next read, None if there is nobody to ask; who is `deaf` (slots) would not answer."""
+        self._rearmed.clear()
         if self._hurried:
             return self._hurried.popleft()
         for _ in range(len(self._turns)):
@@ -114,8 +116,14 @@ class ConditionRota:
             self.limp.add(slot)
         if model.watchdog is not None:
             register, armed = model.watchdog
-            if register.name in probe.names and self._counts[slot, register.name][0] != armed:
+            tripped = register.name in probe.names and self._counts[slot, register.name][0] != armed
+            if tripped and slot not in self._rearmed:
                 self.tripped.add(slot)
+
+    def rearm(self) -> None:
+        """Take those that have tripped for armed again; what was asked before tells nothing new of them."""
+        self._rearmed |= self.tripped
+        self.tripped.clear()
 
     def faults(self, servo: Wired) -> tuple[str, ...]:
         """Return what is wrong with a servo, in words, as far as it was asked."""

@@ -67,6 +67,11 @@ class SerialServoBus:
                     found[servo.joint] = "has let go: its torque is off, and nobody switched it off"
         return found
 
+    @property
+    def reseeded(self) -> tuple[int, ...]:
+        """The slots of joints that the last exchange has sent to where they are: they had stopped there."""
+        return tuple([slot for line in self._lines for slot in line.reseeded])
+
     def conditions(self) -> Mapping[str, ServoCondition]:
         """Return what each servo last told of itself, by its joint."""
         now = self._clock.now()
@@ -234,6 +239,9 @@ class SerialServoBus:
                 if sample is None:
                     valid[slot] = False
                 else:
+                    if not (valid[slot] or self._paused) and line.watchdogs.may_have_tripped(
+                            slot, (now - heard[slot]) / _NS):
+                        line.cycle.watch.rota.tripped.add(slot)
                     position[slot], velocity[slot], effort[slot] = sample
                     valid[slot], heard[slot] = True, now
         age = tuple([(now - then) / _NS for then in heard])

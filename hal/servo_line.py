@@ -16,7 +16,11 @@ _TRIES = 5
 
 
 class ServoLine:
-    """One wire, whose servos understand the same frames."""
+    """One wire, whose servos understand the same frames.
+
+    Attributes:
+        reseeded: slots of those that the last goals sent to where they are.
+    """
 
     def __init__(
         self, name: str, port: BytePort, baud: int, protocol: ServoProtocol, servos: Sequence[Wired]
@@ -28,6 +32,7 @@ class ServoLine:
         self.wire = Wire(port, baud)
         self.cycle = LineCycle(self.wire, protocol, servos)
         self.watchdogs = Watchdogs(protocol, servos)
+        self.reseeded: tuple[int, ...] = ()
         self._receiver = protocol.receiver()
 
     @property
@@ -43,7 +48,7 @@ class ServoLine:
     def goal_frames(self, goals: Sequence[float] | None, position: Sequence[float]) -> bytes:
         """Return what writes the goals, if any, and arms the watchdogs that are due.
 
-        Whose watchdog has tripped is sent to where it is, in this one tick.
+        Whose watchdog has tripped, or may have, is sent to where it is, in this one tick.
 
         Args:
             goals: rad, in the robot's joint order.
@@ -52,14 +57,16 @@ class ServoLine:
         Raises:
             ValueError: a goal is NaN or infinite.
         """
+        self.reseeded = ()
         frames, tripped = self.cycle.goal_frames(goals), self.cycle.watch.rota.tripped
         if goals is None or not (tripped or self.watchdogs.due):
             return frames
         if tripped:
+            self.reseeded = tuple(tripped)
             here = [position[slot] if slot in tripped else goal for slot, goal in enumerate(goals)]
             frames = self.cycle.goal_frames(here)
             self.watchdogs.arm_again(tripped)
-            tripped.clear()
+            self.cycle.watch.rota.rearm()
         return self.watchdogs.armed(frames)
 
     def request(self, clock: Clock, frame: bytes, servo_id: int, size: int | None = None) -> Status | None:

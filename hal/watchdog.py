@@ -4,7 +4,8 @@
     feed      any instruction on the wire does, so the cycle does
     disarm    write 0: before a pause, and when torque goes off
     trip      the register reads as something else than was written, and goals are refused; in silence, since nobody
-              answers a sync write. So it is read with the servo's condition. Then: write 0, goal = where it is, arm
+              answers a sync write. So it is read with the servo's condition, and taken for granted of a servo that is
+              heard again after as long a silence. Then: write 0, goal = where it is, arm
 
 Nobody acknowledges these writes either. One that is lost shows as a trip, and is made up for.
 Source: ROBOTIS e-Manual, "Bus Watchdog".
@@ -22,7 +23,7 @@ class Watchdogs:
     """Those of one wire; none, if its servos have none.
 
     Attributes:
-        trips: how many were found.
+        trips: how many were found, or taken for granted.
     """
 
     def __init__(self, protocol: ServoProtocol, servos: Sequence[Wired]) -> None:
@@ -51,6 +52,12 @@ class Watchdogs:
         """Arm those that have tripped with the next goals."""
         self.trips += len(tripped)
         self._due.update(tripped)
+
+    def may_have_tripped(self, slot: int, silence: float) -> bool:
+        """Tell whether a servo that was unheard for so long, s, may have heard nothing for too long itself."""
+        servo = self._servos.get(slot)
+        watchdog = servo.model.arming.watchdog if servo is not None else None
+        return watchdog is not None and silence > watchdog.time_ms / 1e3
 
     def armed(self, goal_frames: bytes) -> bytes:
         """Return the goals' frames between those that clear and arm whoever is due; then nobody is."""

@@ -20,9 +20,11 @@ from robotwalk.limits import Gate
 from robotwalk.model import RobotModel
 from robotwalk.ports import Clock, FootSwitches, Imu, ServoBus
 from robotwalk.recorder import Row
+from robotwalk.reentry import Reentry
+from robotwalk.safety import Safety
 from robotwalk.stability import Stability, stability
 from robotwalk.statics import up_in_base
-from robotwalk.supervisor import Request, State, Supervisor
+from robotwalk.supervisor import Request, State
 from robotwalk.support import Masses
 from robotwalk.tape import Tape
 from robotwalk.timing import Histogram
@@ -63,7 +65,7 @@ class Loop:
         odometry: Odometry,
         feedforward: Feedforward,
         gate: Gate,
-        supervisor: Supervisor,
+        safety: Safety,
         record: Callable[[Row], None] | None = None,
         tape: Tape | None = None,
         sense: FootSense | None = None,
@@ -72,7 +74,8 @@ class Loop:
         self._masses = Masses(model)
         self._command = Command()
         self._beaten_at = 0
-        self.supervisor = supervisor
+        self._safety = safety
+        self.supervisor = safety.supervisor
         self.gate = gate
         self._clock = clock
         self._bus = bus
@@ -81,6 +84,7 @@ class Loop:
         self._controller = controller
         self._odometry = odometry
         self._feedforward = feedforward
+        self._reentry = Reentry()
         self._sense = sense
         self._record = record
         self._taped: Callable[..., None] = tape.call if tape is not None else lambda name, argument=None: None
@@ -154,6 +158,7 @@ class Loop:
         self._controller.start(state.position)
         self.gate.reset(state.position)
         self._feedforward.reset(state.position)
+        self._reentry.reset(state.position)
         self._goals = state.position
         self._joints = state
         self._wanted = self._wanted._replace(planted=())
@@ -214,14 +219,15 @@ class Loop:
             lying = tilted(wanted.pose, imu)
             up = up_in_base(lying.roll, lying.pitch)
             estimate = estimate._replace(felt=self._sense.step(joints, wanted.legs, up, dt, switches))
-        oldest = max(range(len(joints.age)), key=joints.age.__getitem__)
-        stalest = self._bus.joints[oldest], joints.age[oldest]
-        state = self.supervisor.step(stalest, self._wanted.seated, self._bus.alerts)
         command = self._command
         if now - self._beaten_at > _HEARTBEAT:
             command = command._replace(twist=STILL, heading=None)
+        state, command, holding = self._safety.step(joints, self._bus.alerts, command, seated=wanted.seated)
         wanted = self._controller.step(state, command, estimate, dt)
-        goals = self.gate.step(self._feedforward.step(wanted.angles, wanted.torques, dt), dt)
+        goals = self._reentry.step(
+            self._feedforward.step(wanted.angles, wanted.torques, dt), wanted.angles, joints, holding,
+            self._bus.reseeded, dt)
+        goals = self.gate.step(goals, dt)
         self._wanted, self._goals = wanted, goals
         return Tick(now, state, joints, estimate, wanted, goals, stable)
 

@@ -5,11 +5,12 @@ Joints are ordered leg by leg as in the robot's file, and along each leg from th
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
 from typing import Literal, NamedTuple
 
+from robotwalk.config.safety import SafetyConfig
 from robotwalk.config.schema import (
     ContactConfig,
     LegConfig,
@@ -149,6 +150,7 @@ class RobotModel:
     levelling: LevellingSettings | None = None
     contact: ContactSettings | None = None
     orientation: OrientationSettings | None = None
+    safety: SafetyConfig = field(default_factory=SafetyConfig)
 
     @cached_property
     def joints(self) -> tuple[Joint, ...]:
@@ -206,6 +208,7 @@ class RobotModel:
             levelling=_levelling(motion.levelling),
             contact=_contact(motion.contact),
             orientation=_orientation(motion.orientation),
+            safety=config.safety,
         )
 
 

@@ -4,7 +4,7 @@ Time is an integer count of nanoseconds on a clock that never goes back. Whateve
 `Clock.wait`, so that simulated time can pass there.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol
 
 from robotwalk.types import BusStatistics, FootSwitch, ImuState, JointState, SensorStatistics, ServoCondition
@@ -57,6 +57,11 @@ class ServoBus(Protocol):
     @property
     def alerts(self) -> Mapping[str, str]:
         """What is wrong with servos, by their joints, in words that follow "the servo of lf_coxa"."""
+        ...
+
+    @property
+    def reseeded(self) -> Collection[int]:
+        """Joints that the last exchange has sent to where they are, and not to their goals: they had stopped there."""
         ...
 
     @property

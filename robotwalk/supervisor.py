@@ -10,9 +10,7 @@
 A fault takes every state with torque on to FAULT; from STOP nothing can fault.
 """
 
-from collections.abc import Mapping
 from enum import Enum
-from types import MappingProxyType
 
 from robotwalk.errors import UsageError
 
@@ -51,19 +49,13 @@ TRANSITIONS: dict[tuple[State, Request], State] = {
 }
 
 
-# Ticks in a row that must find a joint stale: a computer that stalled for a second finds all of them so, once.
-_AGREEING = 5
-
-
 class Supervisor:
     """Keeps the state; refuses what does not fit it."""
 
-    def __init__(self, stale_after: float) -> None:
-        """Start in STOP. A joint unheard of for longer than `stale_after` s is a fault."""
+    def __init__(self) -> None:
+        """Start in STOP."""
         self.state = State.STOP
         self.fault: str | None = None
-        self._stale_after = stale_after
-        self._stale_ticks = self._alert_ticks = 0
 
     def request(self, request: Request) -> None:
         """Change the state as asked.
@@ -78,25 +70,14 @@ class Supervisor:
             raise UsageError(f"cannot {request.value} in state {self.state.name}")
         self.state = after
 
-    def step(
-        self, oldest_joint: tuple[str, float], seated: bool, alerts: Mapping[str, str] = MappingProxyType({})
-    ) -> State:
-        """Take note of the oldest joint sample (name, s), of alerts and of the body's height; return the state."""
-        joint, age = oldest_joint
-        self._stale_ticks = self._stale_ticks + 1 if age > self._stale_after else 0
-        self._alert_ticks = self._alert_ticks + 1 if alerts else 0
-        if self.state is not State.STOP and self.fault is None:
-            if self._stale_ticks >= _AGREEING:
-                self._fail(f"joint {joint} has not answered for {age:.2f} s")
-            elif self._alert_ticks >= _AGREEING:
-                self._fail("; ".join(f"the servo of {joint} {words}" for joint, words in alerts.items()))
+    def step(self, trouble: str | None, *, seated: bool) -> State:
+        """Take note of why the robot should come down, if it should, and of whether it is; return the state."""
+        if trouble is not None and self.state is not State.STOP and self.fault is None:
+            self.fault = trouble
+            self.state = State.FAULT
         if seated:
             if self.state is State.SIT:
                 self.state = State.READY
             elif self.state is State.FAULT:
                 self.state = State.STOP
         return self.state
-
-    def _fail(self, reason: str) -> None:
-        self.fault = reason
-        self.state = State.FAULT

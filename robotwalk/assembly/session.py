@@ -26,11 +26,10 @@ from robotwalk.loop import Loop
 from robotwalk.ports import BytePort, Clock, FootSwitches, Imu, ServoBus
 from robotwalk.recorder import Recorder, Row
 from robotwalk.robot import Robot
-from robotwalk.supervisor import Supervisor
+from robotwalk.safety import Safety
 from robotwalk.tape import Tape, TapedClock, TapedPort
 
 RATE_HZ = 100
-_STALE_AFTER = 0.5  # s without an answer from a joint before the robot sits down
 _GOAL_LEAD = 3.0  # a goal may run this much faster than the servo, so that feed-forward is not cut
 _FEELING_HZ = 80  # below, a joint's acceleration between two samples is not known well enough to feel the ground
 _FULL_SPEED_WITHIN = 0.005  # s
@@ -193,7 +192,7 @@ def loop_of(
         odometry=Odometry(model),
         feedforward=Feedforward(blueprint.drives),
         gate=Gate(model.joint_names, limits),
-        supervisor=Supervisor(_STALE_AFTER),
+        safety=Safety(model.joint_names, model.safety),
         record=record,
         tape=tape,
         sense=FootSense(model, blueprint.drives, by_load=by_load) if feels else None,

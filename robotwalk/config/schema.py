@@ -7,9 +7,12 @@ import itertools
 import math
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
-Positive = Annotated[float, Field(gt=0)]
+from robotwalk.config.safety import SafetyConfig
+from robotwalk.config.section import Positive as Positive
+from robotwalk.config.section import Section as Section
+
 Triple = tuple[float, float, float]
 
 
@@ -20,12 +23,6 @@ def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
 
 
 Range = Annotated[tuple[float, float], AfterValidator(_ascending)]
-
-
-class Section(BaseModel):
-    """Base of every section: unknown keys, NaN and infinities are errors."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class BodyConfig(Section):
@@ -145,7 +142,7 @@ class ReactionConfig(Section):
     """How the body answers to its feet. Each answer is off at a gain of 0."""
 
     height: NotNegative = 0.0  # share of the height that pseudo-physics gives (PPS section 4)
-    weights: dict[str, Positive] = {}  # of legs in it; those that are not named have 1
+    weights: dict[str, Positive] = Field(default_factory=dict)  # of legs in it; those that are not named have 1
     bob: NotNegative = 0.0  # of the feet's mean height (LAYER)
     turn: NotNegative = 0.0  # of the angle that `turn_by` gives
     # The mean angle of the feet about the body (LAYER), or that between the sides, by which is forward (PARAM).
@@ -212,6 +209,7 @@ class RobotConfig(Section):
     modelled_on: str = ""
     skeleton: SkeletonConfig
     locomotion: LocomotionConfig
+    safety: SafetyConfig = SafetyConfig()
     hardware: dict[str, Any]
 
 
@@ -307,7 +305,7 @@ class SteppingConfig(TimingConfig):
     # Of legs that may be in the air at once.
     groups: Annotated[list[Annotated[list[str], Field(min_length=1)]], Field(min_length=2)]
     allowed: OffsetCurve  # from rest before a foot wants to step
-    allowed_of: dict[str, OffsetCurve] = {}  # for legs of which it differs
+    allowed_of: dict[str, OffsetCurve] = Field(default_factory=dict)  # for legs of which it differs
     overshoot: Annotated[float, Field(gt=0, le=1)]  # of what is allowed that way, beyond rest
     largest_angle_deg: Positive  # about the body's middle, from rest
     escape: Annotated[float, Field(gt=1)]  # times what is allowed: from there on a foot steps out of turn

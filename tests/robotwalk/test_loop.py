@@ -15,7 +15,8 @@ from robotwalk.loop import Loop, Tick
 from robotwalk.model import RobotModel
 from robotwalk.ports import BytePort
 from robotwalk.recorder import Row
-from robotwalk.supervisor import Request, State, Supervisor
+from robotwalk.safety import Safety
+from robotwalk.supervisor import Request, State
 from robotwalk.types import BusStatistics, Command, DriveResponse, JointState, ServoCondition, Twist
 
 RATE_HZ = 100
@@ -42,6 +43,7 @@ class PerfectBus:
         self.joints = model.joint_names
         self.alerts: dict[str, str] = {}
         self.notes: tuple[str, ...] = ()
+        self.reseeded: tuple[int, ...] = ()
         self.written: list[tuple[float, ...]] = []
         self.exchange_ns = 4_000_000
         self.position = tuple(resting_angles(model, model.heights.sit))
@@ -85,7 +87,8 @@ class Rig:
             rate_hz=RATE_HZ, model=model, clock=self.clock, bus=self.bus,
             controller=Controller(model, gaits, "tripod"),
             odometry=Odometry(model), feedforward=Feedforward([DriveResponse(0.0, 0.0, 0.0, 6.0)] * 18),
-            gate=Gate(model.joint_names, [JointLimit(-4.0, 4.0, 100.0, 1e6)] * 18), supervisor=Supervisor(0.5),
+            gate=Gate(model.joint_names, [JointLimit(-4.0, 4.0, 100.0, 1e6)] * 18),
+            safety=Safety(model.joint_names),
             record=self.rows.append)
         self.loop.begin(self.bus.arm(PERIOD))
         self.loop.supervisor.request(Request.ARM)

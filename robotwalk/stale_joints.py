@@ -1,0 +1,44 @@
+"""Joints that do not answer: each coasts on its goals, then holds, then the robot sits.
+
+    coast   a lost reply is no lost goal: the goals go on
+    hold    it may be deaf: its goal is the one that was sent when it was last heard, and the robot comes to a stand
+    sit     nobody knows where it is
+
+Times are those of the robot's file (`safety: stale`). How a joint goes on afterwards: `robotwalk.reentry`.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from robotwalk.agreement import Agreement
+from robotwalk.config.safety import StaleConfig
+
+
+class Staleness(NamedTuple):
+    """What is to be done about it."""
+
+    holding: tuple[int, ...]  # joints whose goals are to be held
+    trouble: str | None  # why the robot should sit, in words
+
+
+NOBODY = Staleness((), None)
+
+
+class StaleJoints:
+    """Looks at the age of every joint's last answer."""
+
+    def __init__(self, joints: Sequence[str], config: StaleConfig) -> None:
+        self._joints = tuple(joints)
+        self._hold_after, self._sit_after = config.hold_after_s, config.sit_after_s
+        self._too_old = Agreement()
+
+    def step(self, ages: Sequence[float]) -> Staleness:
+        """Look at them, s, once a tick."""
+        oldest = max(ages)
+        # A computer that stalled for a second finds all of them too old, once.
+        trouble = self._too_old.step(oldest > self._sit_after)
+        if oldest <= self._hold_after:
+            return NOBODY
+        if trouble:
+            return Staleness((), f"joint {self._joints[ages.index(oldest)]} has not answered for {oldest:.2f} s")
+        return Staleness(tuple([index for index, age in enumerate(ages) if age > self._hold_after]), None)

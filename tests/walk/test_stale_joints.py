@@ -1,0 +1,71 @@
+"""Joints that do not answer: coast, hold, sit; and how they go on when they are back."""
+
+from pathlib import Path
+
+import pytest
+
+from robotwalk import assembly
+from robotwalk.errors import ConfigError, SafetyStop
+from robotwalk.loop import Tick
+from robotwalk.supervisor import State
+
+from .bystander import Bystander
+
+AT = 5.0  # s
+
+
+def test_a_wire_cut_for_a_moment_holds_the_robot_and_it_goes_on_without_a_jump() -> None:
+    """The servos hear nothing either, and stop by their own watchdogs."""
+    broken = {"at": AT, "fault": "unplug", "bus": "legs", "for": 0.4}
+    simulation = assembly.simulate("hexapod", faults=[broken])
+    ticks: list[Tick] = []
+    bystander = Bystander(simulation)
+    with simulation.robot as robot:
+        robot.stand()
+        robot.observers.append(ticks.append)
+        robot.walk(vx=0.10, seconds=4.0)
+        walked = simulation.world.truth().base.x
+    cut = [tick for tick in ticks if AT + 0.01 <= tick.time * 1e-9 < AT + 0.4]
+    # A fifth of a second long it goes on by its goals; then its joints hold, and it brakes.
+    speeds = [tick.wanted.twist.vx for tick in cut]
+    assert speeds[17] == pytest.approx(0.10)
+    assert speeds[-1] < 0.04
+    # Back, every joint is slower than in the walk: none leaps to where the gait is by now.
+    usual = max(look.speed for look in bystander.seen if 4.0 < look.t < AT)
+    assert max(look.speed for look in bystander.after(AT + 0.4) if look.t < AT + 0.5) < 0.7 * usual
+    assert bystander.largest_tilt() < 6.0
+    assert bystander.beyond == set()
+    assert walked > 0.25
+    assert bystander.sees_it_down()
+
+
+def test_joints_that_stay_silent_make_the_robot_sit_at_the_times_of_its_file(tmp_path: Path) -> None:
+    own = tmp_path / "own.yaml"
+    text = assembly.load("quadruped").document.text
+    own.write_text(text + "\nsafety: {stale: {hold_after_s: 0.1, sit_after_s: 0.3}}\n")
+    # It hears and does not answer: it follows to the end.
+    silent = {"at": AT, "fault": "drop_reply", "joint": "lf_calf"}
+    simulation = assembly.simulate(str(own), faults=[silent])
+    ticks: list[Tick] = []
+    bystander = Bystander(simulation)
+    with simulation.robot as robot:
+        robot.stand()
+        robot.observers.append(ticks.append)
+        with pytest.raises(SafetyStop, match=r"joint lf_calf has not answered for 0\.3\d s"):
+            robot.walk(vx=0.10, seconds=9.0)
+    first = next(tick for tick in ticks if tick.state is State.FAULT)
+    assert first.time * 1e-9 - AT < 0.4
+    slot = simulation.blueprint.model.joint_names.index("lf_calf")
+    held = [tick.goals[slot] for tick in ticks if AT + 0.25 < tick.time * 1e-9 < AT + 0.3]
+    assert max(held) - min(held) < 1e-3
+    assert bystander.sees_it_down()
+    assert bystander.beyond == set()
+    assert bystander.safe_after(AT) < 6.0
+
+
+def test_times_that_make_no_sense_are_refused(tmp_path: Path) -> None:
+    own = tmp_path / "own.yaml"
+    text = assembly.load("hexapod").document.text
+    own.write_text(text + "\nsafety: {stale: {hold_after_s: 0.6}}\n")
+    with pytest.raises(ConfigError, match=r"own\.yaml:\d+:\d+: safety\.stale: hold_after_s should be below sit"):
+        assembly.load(str(own))
