@@ -59,11 +59,8 @@ class _Motor(NamedTuple):
     inertia: float  # kg m^2
 
 
-class _Sample(NamedTuple):
-    """Of one leg's joints."""
-
-    torques: Sequence[float]  # N m; what its inertia takes is not yet taken off
-    momenta: Sequence[float]  # N m s
+# A joint's torque, N m, what its inertia takes not yet taken off; and its momentum, N m s.
+_Sample = tuple[float, float]
 
 
 class FootSense:
@@ -89,9 +86,11 @@ class FootSense:
         """
         felt: list[Felt | None] = []
         for index, ((span, foot), leg) in enumerate(zip(self._feet, statics, strict=True)):
-            answered = self._by_load and all(state.valid[span])
-            sample = foot.sample(state.effort[span], state.velocity[span]) if answered else None
-            by_load = foot.step(sample, leg, up, dt)
+            by_load = None
+            if self._by_load and all(state.valid[span]):
+                by_load = foot.step(state.effort[span], state.velocity[span], leg, up, dt)
+            else:
+                foot.skip()
             closed = switches[index].closed if switches else None
             felt.append(by_load if closed is None else (by_load or _NOTHING)._replace(touching=closed, sure=closed))
         return tuple(felt)
@@ -104,39 +103,43 @@ class _Foot:
         self._motors = tuple(
             _Motor(drive.effort_torque, drive.effort_damping, drive.stiffness * drive.friction,
                    drive.stiffness * drive.inertia) for drive in drives)
-        self._frictions = tuple(motor.friction for motor in self._motors)
         self._least = _LEAST * weight
-        self._last: _Sample | None = None
+        self._unheard: tuple[_Sample, ...] = ((0.0, 0.0),) * len(self._motors)
+        self._last: Sequence[_Sample] = self._unheard
         self._touching = False
         self._doubts = 0  # measurements in a row that speak against that
 
-    def sample(self, efforts: Sequence[float], speeds: Sequence[float]) -> _Sample:
-        """Return what its joints' efforts and speeds (rad/s) come to."""
-        torques: list[float] = []
-        momenta: list[float] = []
-        for (torque, damping, friction, inertia), effort, speed in zip(self._motors, efforts, speeds, strict=True):
-            direction = speed / _CREEP if -_CREEP < speed < _CREEP else math.copysign(1.0, speed)
-            torques.append(torque * effort - damping * speed - friction * direction)
-            momenta.append(inertia * speed)
-        return _Sample(torques, momenta)
+    def skip(self) -> None:
+        """Do without a sample, for a joint did not answer."""
+        self._last = self._unheard
 
-    def step(self, now: _Sample | None, leg: LegStatics, up: Vec3, dt: float) -> Felt | None:
+    def step(
+        self, efforts: Sequence[float], speeds: Sequence[float], leg: LegStatics, up: Vec3, dt: float
+    ) -> Felt | None:
         """Take a sample and return what is felt, if there was one before it, too."""
-        last, self._last = self._last, now
-        if last is None or now is None:
+        last, self._last = self._last, self._sample(efforts, speeds)
+        if last is self._unheard:
             return None
-        accelerating = [(m - before) / dt for m, before in zip(now.momenta, last.momenta, strict=True)]
-        force = _force(leg, last.torques, now.torques, accelerating)
+        force = _force(leg, last, self._last, dt)
         load = force.x * up.x + force.y * up.y + force.z * up.z
         if not self._touching and load <= self._least:  # whatever friction hides
             self._doubts = 0
             return Felt(force, load, touching=False, sure=False)
-        arms = [_LEVER * math.hypot(*column) + _DAMPING for column in leg.columns]
-        hidden = max([friction / arm for friction, arm in zip(self._frictions, arms, strict=True)])
-        if not self._judge(load, self._least + hidden):
-            return Felt(force, load, touching=False, sure=False)
-        feigned = max([abs(torque) / arm for torque, arm in zip(accelerating, arms, strict=True)])
-        return Felt(force, load, touching=True, sure=load > self._least + _INERTIA_UNKNOWN * feigned)
+        hidden = feigned = 0.0
+        for motor, (_, before), (_, now), column in zip(self._motors, last, self._last, leg.columns, strict=True):
+            arm = _LEVER * math.hypot(*column) + _DAMPING
+            hidden = max(hidden, motor.friction / arm)
+            feigned = max(feigned, abs(now - before) / arm)
+        touching = self._judge(load, self._least + hidden)
+        sure = touching and load > self._least + _INERTIA_UNKNOWN * feigned / dt
+        return Felt(force, load, touching, sure)
+
+    def _sample(self, efforts: Sequence[float], speeds: Sequence[float]) -> list[_Sample]:
+        sample: list[_Sample] = []
+        for (torque, damping, friction, inertia), effort, speed in zip(self._motors, efforts, speeds, strict=True):
+            direction = speed / _CREEP if -_CREEP < speed < _CREEP else math.copysign(1.0, speed)
+            sample.append((torque * effort - damping * speed - friction * direction, inertia * speed))
+        return sample
 
     def _judge(self, load: float, least: float) -> bool:
         """Tell whether the foot touches, once measurements agree."""
@@ -148,16 +151,14 @@ class _Foot:
         return self._touching
 
 
-def _force(
-    leg: LegStatics, before: Sequence[float], now: Sequence[float], accelerating: Sequence[float]
-) -> Vec3:
-    """Return the force at a foot that explains best its joints' torques in two samples, and what took inertia."""
+def _force(leg: LegStatics, last: Sequence[_Sample], now: Sequence[_Sample], dt: float) -> Vec3:
+    """Return the force at a foot that explains best what its joints did between two samples."""
     xx = yy = zz = _DAMPING * _DAMPING
     xy = xz = yz = bx = by = bz = 0.0
-    for (cx, cy, cz), weight, last, torque, inertia in zip(
-        leg.columns, leg.weights, before, now, accelerating, strict=True,
+    for (cx, cy, cz), weight, (torque_before, before), (torque, momentum) in zip(
+        leg.columns, leg.weights, last, now, strict=True,
     ):
-        excess = weight - 0.5 * (torque + last) + inertia
+        excess = weight - 0.5 * (torque + torque_before) + (momentum - before) / dt
         xx, yy, zz, xy, xz, yz = xx + cx * cx, yy + cy * cy, zz + cz * cz, xy + cx * cy, xz + cx * cz, yz + cy * cz
         bx, by, bz = bx + cx * excess, by + cy * excess, bz + cz * excess
     # Cramer's rule for the symmetric normal equations.
