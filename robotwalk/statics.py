@@ -23,13 +23,17 @@ _SPREAD = 0.2  # of feet across their line, 0 in a line to 1 all around; with le
 _LEVER = 0.02  # m; feet whose spread in some direction is less than about this are in a line
 
 
+# x, y and z of what is made so often that its names would cost too much.
+_Triple = tuple[float, float, float]
+
+
 class LegStatics(NamedTuple):
     """One leg at one moment, in the base frame."""
 
     foot: Vec3  # m
-    columns: tuple[Vec3, ...]  # of its Jacobian: the foot's velocity per rad/s of each joint, m
-    lifts: tuple[float, ...]  # m: each column's part along the way up
-    weights: tuple[float, ...]  # N m: the torque of each joint that holds up the links behind it
+    columns: Sequence[_Triple]  # of its Jacobian: the foot's velocity per rad/s of each joint, m
+    lifts: Sequence[float]  # m: each column's part along the way up
+    weights: Sequence[float]  # N m: the torque of each joint that holds up the links behind it
 
 
 class Statics(NamedTuple):
@@ -63,11 +67,11 @@ class LegMasses:
         self._mount, self._mass = leg.mount, mass
         self._cos, self._sin = math.cos(leg.yaw), math.sin(leg.yaw)
 
-    def foot_and_moment(self, angles: Sequence[float]) -> tuple[Vec3, Vec3]:
+    def foot_and_moment(self, angles: Sequence[float]) -> tuple[Vec3, _Triple]:
         """Return the foot's centre, m, and the leg's mass times the place of its centre of mass, kg m, for angles."""
         return self._in_base(self._behind(angles)[-1])
 
-    def statics(self, angles: Sequence[float], up: Vec3) -> tuple[LegStatics, Vec3]:
+    def statics(self, angles: Sequence[float], up: Vec3) -> tuple[LegStatics, _Triple]:
         """Return the leg's statics for joint angles (rad), and its mass times the place of its centre of mass, kg m.
 
         `up` is the unit vector against gravity, in the base frame.
@@ -80,12 +84,12 @@ class LegMasses:
         zx, zy, zz = 0.0, 0.0, 1.0
         ux, uy, uz = up
         ux, uy = xx * ux + xy * uy, xx * uy - xy * ux
-        columns: list[Vec3] = []
+        columns: list[_Triple] = []
         lifts: list[float] = []
         weights: list[float] = []
         for axis, c, s, fx, fy, fz, mx, my, mz in reversed(behind):
             if axis is _PITCH:
-                columns.append(Vec3(fz * xx - fx * zx, fz * xy - fx * zy, fz * xz - fx * zz))
+                columns.append((fz * xx - fx * zx, fz * xy - fx * zy, fz * xz - fx * zz))
                 lifts.append(fz * ux - fx * uz)
                 weights.append(GRAVITY * (mz * ux - mx * uz))
                 ux, uz = c * ux - s * uz, c * uz + s * ux
@@ -93,7 +97,7 @@ class LegMasses:
                 xy, zy = c * xy - s * zy, c * zy + s * xy
                 xz, zz = c * xz - s * zz, c * zz + s * xz
             elif axis is _YAW:
-                columns.append(Vec3(fx * yx - fy * xx, fx * yy - fy * xy, fx * yz - fy * xz))
+                columns.append((fx * yx - fy * xx, fx * yy - fy * xy, fx * yz - fy * xz))
                 lifts.append(fx * uy - fy * ux)
                 weights.append(GRAVITY * (mx * uy - my * ux))
                 ux, uy = c * ux + s * uy, c * uy - s * ux
@@ -101,14 +105,14 @@ class LegMasses:
                 xy, yy = c * xy + s * yy, c * yy - s * xy
                 xz, yz = c * xz + s * yz, c * yz - s * xz
             else:
-                columns.append(Vec3(fy * zx - fz * yx, fy * zy - fz * yy, fy * zz - fz * yz))
+                columns.append((fy * zx - fz * yx, fy * zy - fz * yy, fy * zz - fz * yz))
                 lifts.append(fy * uz - fz * uy)
                 weights.append(GRAVITY * (my * uz - mz * uy))
                 uy, uz = c * uy + s * uz, c * uz - s * uy
                 yx, zx = c * yx + s * zx, c * zx - s * yx
                 yy, zy = c * yy + s * zy, c * zy - s * yy
                 yz, zz = c * yz + s * zz, c * zz - s * yz
-        return LegStatics(foot, tuple(columns), tuple(lifts), tuple(weights)), moment
+        return LegStatics(foot, columns, lifts, weights), moment
 
     def _behind(self, angles: Sequence[float]) -> list[_Behind]:
         """Go from the foot inwards: each joint turns both the foot and the first moment of all that is behind it."""
@@ -126,13 +130,13 @@ class LegMasses:
             behind.append((axis, c, s, fx, fy, fz, mx, my, mz))
         return behind
 
-    def _in_base(self, whole: _Behind) -> tuple[Vec3, Vec3]:
+    def _in_base(self, whole: _Behind) -> tuple[Vec3, _Triple]:
         """Return the foot and the first moment as the base sees them."""
         _, _, _, fx, fy, fz, mx, my, mz = whole
         (x, y, z), mass, c, s = self._mount, self._mass, self._cos, self._sin
         return (
             Vec3(x + c * fx - s * fy, y + s * fx + c * fy, z + fz),
-            Vec3(mass * x + c * mx - s * my, mass * y + s * mx + c * my, mass * z + mz))
+            (mass * x + c * mx - s * my, mass * y + s * mx + c * my, mass * z + mz))
 
 
 def shared_loads(
