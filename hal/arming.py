@@ -16,7 +16,7 @@ from hal.servo_line import ServoLine
 from hal.wired import Wired
 from robotwalk.errors import BusError
 from robotwalk.ports import Clock
-from robotwalk.types import JointState
+from robotwalk.types import JointState, ServoLimits
 
 _NS = 1_000_000_000
 _MS = 1_000_000
@@ -191,6 +191,7 @@ class Arming:
             if found != usual:
                 self._note(servo, f"{name} is {found}; the factory's is {usual}")
         self._check_range(line, servo)
+        line.cycle.watch.rota.limits[servo.slot] = self._limits(line, servo)
         self._gather(line, servo)
 
     def _clear_watchdog(self, line: ServoLine, servo: Wired) -> None:
@@ -208,6 +209,19 @@ class Arming:
         if counts > register.range[1]:
             line.write_register(self._clock, servo, cyclic.goal, here)
             self._note(servo, "had stopped, for it heard nothing any more; it holds where it is")
+
+    def _limits(self, line: ServoLine, servo: Wired) -> ServoLimits:
+        """Return where a servo's own protections act."""
+        names = servo.model.cyclic.limits
+
+        def limit(name: str | None) -> float | None:
+            if name is None:
+                return None
+            return line.read_register(self._clock, servo, name) * servo.model[name].si_scale
+
+        return ServoLimits(
+            limit(names.hottest), limit(names.lowest_voltage), limit(names.highest_voltage),
+            limit(names.largest_current))
 
     def _gather(self, line: ServoLine, servo: Wired) -> None:
         """Have a servo's condition read at once, where it can be gathered."""

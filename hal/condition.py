@@ -12,7 +12,7 @@ from hal.encoding import decoder
 from hal.protocol import GroupReply, ServoProtocol
 from hal.register_map import Register
 from hal.wired import Wired
-from robotwalk.types import Measured, ServoCondition
+from robotwalk.types import Measured, ServoCondition, ServoLimits
 
 _NS = 1_000_000_000
 _GAP = 20  # bytes between registers, beyond which two reads are cheaper than one
@@ -58,6 +58,7 @@ class ConditionRota:
 
     Attributes:
         limp: the slots of servos that said that their torque is off.
+        limits: where the servos' own protections act, by slot, as far as they were asked.
         tripped: the slots whose bus watchdog has tripped, or may have; see `rearm`.
     """
 
@@ -69,6 +70,7 @@ class ConditionRota:
         self._hurried: deque[Probe] = deque()
         self._counts: dict[tuple[int, str], tuple[int, int]] = {}  # by slot and register: counts, and when, ns
         self.limp: set[int] = set()
+        self.limits: dict[int, ServoLimits] = {}
         self._turns.extend(probe for servo in servos for probe in probes(protocol, servo))
 
     def gather(self, probe: Probe) -> None:
@@ -136,15 +138,16 @@ class ConditionRota:
 
     def conditions(self, now: int) -> Mapping[str, ServoCondition]:
         """Return what is known of each servo, by its joint."""
-        return {servo.joint: self._condition(servo, now) for servo in self._servos}
+        return {servo.joint: self.condition(servo, now) for servo in self._servos}
 
-    def _condition(self, servo: Wired, now: int) -> ServoCondition:
+    def condition(self, servo: Wired, now: int) -> ServoCondition:
+        """Return what is known of one servo."""
         rows = servo.model.cyclic.telemetry
         holds = self._measured(servo, rows.torque, now)
         return ServoCondition(
             self._measured(servo, rows.voltage, now), self._measured(servo, rows.temperature, now),
             None if rows.current is None else self._measured(servo, rows.current, now),
-            None if holds is None else holds.value != 0, self.faults(servo))
+            None if holds is None else holds.value != 0, self.faults(servo), self.limits.get(servo.slot, ServoLimits()))
 
     def _measured(self, servo: Wired, name: str, now: int) -> Measured | None:
         found = self._counts.get((servo.slot, name))

@@ -163,8 +163,8 @@ class ServoModel(Row):
         cyclic = self.cyclic
         needed = (
             cyclic.goal, cyclic.effort, cyclic.velocity, cyclic.position, cyclic.torque_cap,
-            self.position_loop.proportional, *self.condition, *self.arming.require, *self.arming.set,
-            *self.arming.explain, *self.arming.position_limits)
+            self.position_loop.proportional, *self.condition, *cyclic.limits.names, *self.arming.require,
+            *self.arming.set, *self.arming.explain, *self.arming.position_limits)
         for name in needed:
             if name not in self.by_name:
                 yield f"no register is named {name!r}"

@@ -29,6 +29,7 @@ class SerialServoBus:
     def __init__(self, joints: Sequence[str], lines: Sequence[ServoLine], clock: Clock) -> None:
         self._joints = tuple(joints)
         self._lines = tuple(lines)
+        self._places = {servo.slot: (line, servo) for line in lines for servo in line.servos}
         self.notes: tuple[str, ...] = ()
         self._clock = clock
         count = len(self._joints)
@@ -78,6 +79,11 @@ class SerialServoBus:
         return {
             joint: condition for line in self._lines
             for joint, condition in line.cycle.watch.rota.conditions(now).items()}
+
+    def condition(self, slot: int) -> ServoCondition:
+        """Return what the servo of one joint last told of itself."""
+        line, servo = self._places[slot]
+        return line.cycle.watch.rota.condition(servo, self._clock.now())
 
     def arm(self, period: int, torque: float = 1.0) -> JointState:
         """Find every servo, let it hold where it is, switch torque on, limb by limb and gently; arm the watchdogs.

@@ -26,6 +26,21 @@ class Telemetry(Row):
         return tuple(name for name in everything if name is not None)
 
 
+class ProtectionLimits(Row):
+    """The registers that say where a servo's own protections act; None: there is no such protection, or register."""
+
+    hottest: str | None = None
+    lowest_voltage: str | None = None
+    highest_voltage: str | None = None
+    largest_current: str | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Those that there are."""
+        everything = (self.hottest, self.lowest_voltage, self.highest_voltage, self.largest_current)
+        return tuple(name for name in everything if name is not None)
+
+
 class Cyclic(Row):
     """The registers of the exchange in every tick."""
 
@@ -36,6 +51,7 @@ class Cyclic(Row):
     position: str
     torque_cap: str  # the register that bounds the output, for a gentle start
     telemetry: Telemetry
+    limits: ProtectionLimits = ProtectionLimits()
 
 
 class BusWatchdog(Row):

@@ -44,6 +44,7 @@ class Tick(NamedTuple):
     wanted: Wanted
     goals: tuple[float, ...]
     stability: Stability
+    news: tuple[tuple[str, str], ...] = ()  # what is worth an event: its kind, and what happened in words
 
 
 class Loop:
@@ -215,19 +216,19 @@ class Loop:
         centre, feet = self._masses.centre_and_feet(joints.position)
         estimate = told_by(imu, switches, self._odometry.step(joints, feet, wanted.planted, wanted.twist, dt))
         stable = stability(centre, feet, wanted.planted, estimate.pose)
-        if self._sense is not None and wanted.legs:
+        if self._sense is not None and wanted.legs and self._safety.efforts_tell:
             lying = tilted(wanted.pose, imu)
             up = up_in_base(lying.roll, lying.pitch)
             estimate = estimate._replace(felt=self._sense.step(joints, wanted.legs, up, dt, switches))
         command = self._command
         if now - self._beaten_at > _HEARTBEAT:
             command = command._replace(twist=STILL, heading=None)
-        state, command, holding = self._safety.step(joints, self._bus.alerts, command, seated=wanted.seated)
+        state, command, holding, news = self._safety.step(joints, command, seated=wanted.seated)
         wanted = self._controller.step(state, command, estimate, dt)
         goals = self._reentry.step(
             self._feedforward.step(wanted.angles, wanted.torques, dt), wanted.angles, joints, holding,
             self._bus.reseeded, dt)
         goals = self.gate.step(goals, dt)
         self._wanted, self._goals = wanted, goals
-        return Tick(now, state, joints, estimate, wanted, goals, stable)
+        return Tick(now, state, joints, estimate, wanted, goals, stable, news)
 

@@ -73,6 +73,10 @@ class ServoBus(Protocol):
         """Return what each servo last told of itself, by its joint."""
         ...
 
+    def condition(self, slot: int) -> ServoCondition:
+        """Return what the servo of one joint last told of itself."""
+        ...
+
     def arm(self, period: int, torque: float = 1.0) -> JointState:
         """Find every servo, let it hold where it is, switch torque on.
 

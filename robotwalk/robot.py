@@ -384,6 +384,8 @@ class Robot:
         self.loop.beat()
         was_at_edge = self._last is not None and self._last.wanted.at_edge
         tick = self._last = self.loop.tick()
+        for kind, text in tick.news:
+            self.note(kind, text)
         if tick.wanted.at_edge and not was_at_edge:
             self.note("edge", "a foot found no ground ahead: stopped")
         self._seconds += 1.0 / self.loop.rate_hz

@@ -104,6 +104,15 @@ class Measured(NamedTuple):
     age: float  # s
 
 
+class ServoLimits(NamedTuple):
+    """Where a servo's own protections act, as it is set up; None: it has no such protection."""
+
+    hottest: float | None = None  # degC
+    lowest_voltage: float | None = None  # V
+    highest_voltage: float | None = None  # V
+    largest_current: float | None = None  # A
+
+
 class ServoCondition(NamedTuple):
     """What a servo last told of itself; None where it was never heard, or does not measure it."""
 
@@ -112,6 +121,7 @@ class ServoCondition(NamedTuple):
     current: Measured | None  # A
     holds: bool | None  # whether its torque is on
     faults: tuple[str, ...]  # of its hardware, in words
+    limits: ServoLimits = ServoLimits()
 
 
 class DriveResponse(NamedTuple):

@@ -192,7 +192,7 @@ def loop_of(
         odometry=Odometry(model),
         feedforward=Feedforward(blueprint.drives),
         gate=Gate(model.joint_names, limits),
-        safety=Safety(model.joint_names, model.safety),
+        safety=Safety(model, bus, rate_hz),
         record=record,
         tape=tape,
         sense=FootSense(model, blueprint.drives, by_load=by_load) if feels else None,

@@ -1,10 +1,13 @@
 """The schema of a robot's `safety` section: when its watchers act. All of it has defaults."""
 
-from typing import Self
+from typing import Annotated, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from robotwalk.config.section import Positive, Section
+
+_BelowOne = Annotated[float, Field(gt=0, lt=1)]
+_AboveOne = Annotated[float, Field(gt=1, le=2)]
 
 
 class StaleConfig(Section):
@@ -20,7 +23,28 @@ class StaleConfig(Section):
         return self
 
 
+class GovernorConfig(Section):
+    """How near to its servos' own limits, as shares of them, the robot eases its walk, and sits down."""
+
+    heat_ease: _BelowOne = 0.85
+    heat_sit: _BelowOne = 0.95
+    voltage_ease: _AboveOne = 1.10  # of the lowest voltage
+    voltage_sit: _AboveOne = 1.04
+    current_ease: _BelowOne = 0.8
+    pace: Annotated[float, Field(gt=0, le=1)] = 0.5  # of the commanded speed, while it is eased
+    lower: bool = True  # to its lowest height for walking, while it is eased
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.heat_ease >= self.heat_sit:
+            raise ValueError("heat_ease should be below heat_sit")
+        if self.voltage_ease <= self.voltage_sit:
+            raise ValueError("voltage_ease should be above voltage_sit")
+        return self
+
+
 class SafetyConfig(Section):
     """All of it."""
 
     stale: StaleConfig = StaleConfig()
+    governor: GovernorConfig = GovernorConfig()

@@ -7,7 +7,7 @@ import pytest
 from fastcrc import crc16
 
 from robotwalk.errors import BusError
-from robotwalk.types import ServoCondition
+from robotwalk.types import ServoCondition, ServoLimits
 from sim_backend.device import Reply
 
 from .bus_rig import COUNT, FAST, PERIOD, PLAIN, TICK, Rig, Tamper, armed, next_tick, rig
@@ -319,7 +319,8 @@ def test_an_overheated_servo_raises_its_alert_in_the_cycle_and_its_data_still_co
 
 def test_every_servos_condition_is_read_in_turn_with_its_age() -> None:
     built = armed()
-    assert set(built.bus.conditions().values()) == {ServoCondition(None, None, None, None, ())}
+    limits = ServoLimits(hottest=72.0, lowest_voltage=6.0, highest_voltage=14.0)  # as the servo itself has them
+    assert set(built.bus.conditions().values()) == {ServoCondition(None, None, None, None, (), limits)}
     built.physics.supply_v[:] = 11.4
     built.physics.temperature_c[3] = 41.0
     built.physics.step(np.zeros(COUNT), np.zeros(COUNT), built.clock.now() + 1_000_000)

@@ -71,6 +71,9 @@ class PerfectBus:
     def conditions(self) -> Mapping[str, ServoCondition]:
         return {}
 
+    def condition(self, slot: int) -> ServoCondition:
+        return ServoCondition(None, None, None, None, ())
+
     def _state(self) -> JointState:
         count = len(self.joints)
         return JointState(self.position, (0.0,) * count, (0.0,) * count, (True,) * count, (0.0,) * count)
@@ -88,7 +91,7 @@ class Rig:
             controller=Controller(model, gaits, "tripod"),
             odometry=Odometry(model), feedforward=Feedforward([DriveResponse(0.0, 0.0, 0.0, 6.0)] * 18),
             gate=Gate(model.joint_names, [JointLimit(-4.0, 4.0, 100.0, 1e6)] * 18),
-            safety=Safety(model.joint_names),
+            safety=Safety(model, self.bus, RATE_HZ),
             record=self.rows.append)
         self.loop.begin(self.bus.arm(PERIOD))
         self.loop.supervisor.request(Request.ARM)

@@ -7,7 +7,7 @@ from robotwalk import assembly
 
 _EVERY = 4  # physics steps
 _BEYOND = math.radians(1.0)  # that a joint may give past a limit, in contact and under load
-_STILL = 0.1  # rad/s of every joint; limp ones sink a little
+_STILL = 0.2  # rad/s of every joint; limp ones sink a little
 _REST = 1_000_000_000  # ns
 _DOWN = 0.01  # m above its seated height at which a body is down
 

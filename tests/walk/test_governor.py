@@ -1,0 +1,111 @@
+"""Heat, current and voltage: the robot eases its walk before servos let go, and sits while it can."""
+
+import math
+
+import pytest
+
+from robotwalk import assembly
+from robotwalk.config.safety import GovernorConfig
+from robotwalk.errors import SafetyStop
+from robotwalk.governor import Governed, Governor
+from robotwalk.loop import Tick
+from robotwalk.supervisor import State
+from robotwalk.types import Measured, ServoCondition, ServoLimits
+
+from .bystander import Bystander
+
+LIMITS = ServoLimits(hottest=70.0, lowest_voltage=6.0, highest_voltage=14.0, largest_current=2.0)
+
+
+@pytest.mark.parametrize(("robot", "fault", "near", "nearer", "told"), [
+    ("hexapod", "voltage_drop", {"supply_v": 6.5}, {"supply_v": 6.2},
+     r"the battery is nearly empty: the servo of \w+ gets 6\.2 V, and lets go below 6\.0"),
+    ("quadruped", "overheat", {"joint": "lf_calf", "temperature_c": 61}, {"joint": "lf_calf", "temperature_c": 68},
+     r"a servo is too hot: the servo of lf_calf is at 68 degC, and lets go at 70"),
+])
+def test_it_walks_slower_and_lower_then_sits_before_any_servo_lets_go(
+    robot: str, fault: str, near: dict[str, float], nearer: dict[str, float], told: str
+) -> None:
+    simulation = assembly.simulate(
+        robot, faults=[{"at": 5.0, "fault": fault, **near}, {"at": 8.0, "fault": fault, **nearer}])
+    bystander = Bystander(simulation)
+    ticks: list[Tick] = []
+    with simulation.robot as walker:
+        walker.stand()
+        walker.observers.append(ticks.append)
+        with pytest.raises(SafetyStop, match=told):
+            walker.walk(vx=0.10, seconds=9.0)
+        assert simulation.bus.alerts == {}
+    eased = next(tick for tick in ticks if tick.time * 1e-9 > 7.9)
+    assert eased.state is State.WALK
+    assert eased.wanted.twist.vx == pytest.approx(0.05)
+    assert eased.wanted.pose.z < simulation.robot.model.heights.stand - 0.005
+    assert next(tick.time * 1e-9 for tick in ticks if tick.state is State.FAULT) < 9.0
+    assert [event.kind for event in simulation.robot.events].count("governor") == 1
+    assert bystander.largest_tilt() < 6.0
+    assert bystander.beyond == set()
+    assert bystander.fastest_drop() < 0.12
+    assert bystander.sees_it_down()
+    assert bystander.safe_after(8.0) < 5.0
+
+
+class Bench:
+    """A governor of two servos, whose conditions are set by hand."""
+
+    def __init__(self) -> None:
+        self.told = {"temperature": 30.0, "voltage": 12.0, "current": 0.5}
+        self.age = 0.0
+        self.governor = Governor(("lf_coxa", "rf_coxa"), GovernorConfig(), self.condition, 0.01)
+
+    def condition(self, slot: int) -> ServoCondition:
+        told = {name: Measured(value, self.age) for name, value in self.told.items()}
+        usual = {"temperature": Measured(30.0, 0.0), "voltage": Measured(12.0, 0.0), "current": Measured(0.1, 0.0)}
+        return ServoCondition(**(usual if slot == 0 else told), holds=True, faults=(), limits=LIMITS)
+
+    def looks(self, count: int) -> Governed:
+        """Look so many times at each servo."""
+        for _ in range(2 * count):
+            governed = self.governor.step()
+        return governed
+
+
+@pytest.mark.parametrize(("quantity", "just_well", "near", "not_well_yet", "well"), [
+    ("temperature", 59.4, 59.6, 57.0, 56.6),  # 0.85 of 70; back at 0.81
+    ("voltage", 6.61, 6.59, 6.83, 6.85),  # 1.10 of 6; back at 1.14
+    ("current", -1.59, -1.61, -1.53, -1.51),  # 0.8 of 2; back at 0.76
+])
+def test_easing_begins_and_ends_once_three_readings_agree_and_not_at_the_same_value(
+    quantity: str, just_well: float, near: float, not_well_yet: float, well: float
+) -> None:
+    bench = Bench()
+    bench.told[quantity] = just_well
+    assert not bench.looks(9).eased
+    bench.told[quantity] = near
+    assert not bench.looks(2).eased
+    bench.told[quantity] = just_well
+    assert not bench.looks(1).eased
+    bench.told[quantity] = near
+    assert not bench.looks(2).eased
+    assert bench.looks(1).eased
+    bench.told[quantity] = not_well_yet
+    assert bench.looks(9).eased
+    bench.told[quantity] = well
+    assert bench.looks(2).eased
+    assert not bench.looks(1).eased
+    assert bench.governor.step().trouble is None
+
+
+def test_a_reading_that_is_no_new_one_counts_no_more() -> None:
+    bench = Bench()
+    bench.told["temperature"], bench.age = 90.0, 0.021
+    assert not bench.looks(9).eased
+    bench.age = 0.019
+    assert bench.looks(3).trouble == "a servo is too hot: the servo of rf_coxa is at 90 degC, and lets go at 70"
+
+
+def test_currents_alone_make_no_robot_sit() -> None:
+    bench = Bench()
+    bench.told["current"] = math.inf
+    governed = bench.looks(9)
+    assert governed.eased
+    assert governed.trouble is None
