@@ -91,7 +91,7 @@ class Gait:
         self.free: FreeStepping | None = None
         if isinstance(config, SteppingCircles):
             self.free = FreeStepping(config.stepping, model, self.slowest_period)
-        self._model = model
+        self._rests = tuple((leg.rest_foot.x, leg.rest_foot.y) for leg in model.legs)
 
     @property
     def starts(self) -> list[float]:
@@ -131,7 +131,7 @@ class Gait:
 
     def until_lift_off(self, foot: int, phase: float) -> float:
         """Return how far the needle is from a foot's next lift-off, in turns."""
-        return min((sector.start - phase) % 1.0 for sector in self.feet[foot])
+        return min([(sector.start - phase) % 1.0 for sector in self.feet[foot]])
 
     def largest_scale(self, twist: Twist) -> float:
         """Return by how much a twist may be multiplied before a leg's stride is too long, even hurrying."""
@@ -152,7 +152,7 @@ class Gait:
     def foot_speeds(self, twist: Twist) -> list[float]:
         """Return how fast the body passes over each foot's rest position, m/s."""
         vx, vy, wz = twist
-        return [math.hypot(vx - wz * leg.rest_foot.y, vy + wz * leg.rest_foot.x) for leg in self._model.legs]
+        return [math.hypot(vx - wz * y, vy + wz * x) for x, y in self._rests]
 
 
 class GaitClock:

@@ -204,14 +204,16 @@ class Stepping:
 
     def footfalls(self) -> Footfalls:
         """Return the feet as they are."""
+        feet = self._feet
+        searching = [(foot.search, foot.bumps) for foot in feet if foot.search is not None]
         return Footfalls(
-            tuple(foot.place for foot in self._feet),
-            tuple(foot.sector is None for foot in self._feet),
-            tuple((foot.target.x, foot.target.y) for foot in self._feet),
-            tuple(foot.stood for foot in self._feet),
-            any(self._is_late(foot) for foot in self._feet),
-            any(foot.search is not None and foot.search.phase is not Phase.DOWN for foot in self._feet),
-            any(foot.search is not None and foot.search.gave_up and foot.bumps == 0 for foot in self._feet),
+            tuple([foot.place for foot in feet]),
+            tuple([foot.sector is None for foot in feet]),
+            tuple([foot.target[:2] for foot in feet]),
+            tuple([foot.stood for foot in feet]),
+            any(self._is_late(foot) for foot in feet),
+            any(search.phase is not Phase.DOWN for search, _ in searching),
+            any(search.gave_up and bumps == 0 for search, bumps in searching),
         )
 
     def _is_late(self, foot: Foot) -> bool:
@@ -248,7 +250,7 @@ class Stepping:
             else:
                 x, y = footprint(foot.leg, course, twist, remaining + 0.5 * sector.stance * clock.period)
             foot.target = Vec3(x, y, self._ground + self._plane.at(course, x, y))
-            swing.retarget(foot.target if contact is None else foot.target._replace(z=foot.target.z - _PRESS))
+            swing.retarget(foot.target if contact is None else Vec3(x, y, foot.target.z - _PRESS))
         foot.place = swing.step(dt, seconds, up)
         if contact is not None and sense is not None:
             self._feel(foot, swing, sector, sense, contact, dt)
