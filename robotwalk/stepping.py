@@ -267,7 +267,7 @@ class Stepping:
                 self._caution *= _CALMING
             else:
                 foot.overdue = True
-                foot.search = Search(contact, foot.path, foot.leg.lift, foot.stood, foot.target, self._random)
+                foot.search = Search(contact, foot.path, foot.leg.lift, foot.stood, foot.place, self._random)
             return
         if not foot.free:
             foot.free = not sense.touching
