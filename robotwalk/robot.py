@@ -285,6 +285,14 @@ class Robot:
         """Return what the foot-switch board said so far; None if the robot has none."""
         return self._switches.statistics() if self._switches is not None else None
 
+    def check_interrupts(self) -> None:
+        """Raise what a signal stands for that has come: a driver who waits where no tick follows calls this.
+
+        Raises:
+            KeyboardInterrupt, SystemExit: see `Interrupts.check`.
+        """
+        self._interrupts.check()
+
     def note(self, kind: str, text: str) -> None:
         """Add an event to the run's list."""
         event = Event(round(self._seconds, 3), kind, text)

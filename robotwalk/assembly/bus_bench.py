@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from hal import bus_plan
 from hal.protocols import protocol_of
@@ -21,7 +21,9 @@ from robotwalk.assembly.session import bus_of, check_rate
 from robotwalk.clock import Grid, WallClock
 from robotwalk.errors import BusError, UsageError
 from robotwalk.realtime import processors_awake, raise_priority, sharpen_timers
-from sim_backend.vice import BenchServo, serve_bench
+
+if TYPE_CHECKING:
+    from sim_backend.vice import BenchServo
 
 _NS = 1_000_000_000
 _STARTED = 20.0  # s within which the fake servos must be there
@@ -103,8 +105,10 @@ def at_baud(blueprint: Blueprint, baud: int) -> Blueprint:
     return replace(blueprint, hardware=blueprint.hardware.model_copy(update={"buses": buses}))
 
 
-def bench_servos(blueprint: Blueprint) -> list[BenchServo]:
+def bench_servos(blueprint: Blueprint) -> "list[BenchServo]":
     """Return a robot's servos, each with its shaft in the middle of its joint's range."""
+    from sim_backend.vice import BenchServo  # loads MuJoCo
+
     return [
         BenchServo(bus, servo.id, servo.model, _shaft(servo))
         for bus, wired in blueprint.wiring.items() for servo in wired]
@@ -113,6 +117,8 @@ def bench_servos(blueprint: Blueprint) -> list[BenchServo]:
 @contextmanager
 def _fakes(blueprint: Blueprint) -> Iterator[Mapping[str, str]]:
     """Run the robot's servos in a process of their own; yield the URLs of their buses."""
+    from sim_backend.vice import serve_bench
+
     servos = bench_servos(blueprint)
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()

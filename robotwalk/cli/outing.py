@@ -125,13 +125,6 @@ class Outing:
             FollowPath(waypoints, speed=plan.speed, facing=facing),
             seconds=plan.duration, gait=plan.gait, height=plan.height, period=plan.period)
 
-    def ended_as(self) -> str:
-        """Return what became of the robot, in words."""
-        if self._robot.frozen:
-            return "is frozen in place, torque is on"
-        doubt = self._robot.torque_doubt
-        return f"sat down; {doubt}" if doubt else "sat down, torque is off"
-
     def save_film(self, path: Path, progress: Callable[[float], None]) -> None:
         """Draw the film of what happened."""
         if self._film is not None:

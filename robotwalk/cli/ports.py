@@ -2,6 +2,8 @@
 
 from robotwalk.errors import UsageError
 
+HANGING = 0.35  # of the torque, for the first motion on a stand
+
 
 def by_bus(words: list[str]) -> dict[str, str]:
     """Read `BUS=URL`s. Raises UsageError if one is something else."""

@@ -8,15 +8,15 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from robotwalk import assembly
+from robotwalk.cli.ending import run_to_end
 from robotwalk.cli.outing import Outing, Plan, require_possible
 from robotwalk.cli.output import abandon_stdout, complain, progress_line, say, write_json
-from robotwalk.cli.ports import by_bus
+from robotwalk.cli.ports import HANGING, by_bus
 from robotwalk.config.route import Route, read_route
 from robotwalk.errors import SafetyStop, UsageError
 from robotwalk.track import Track
 
 Flag = Parameter(negative="")
-_HANGING = 0.35  # of the torque, for the first motion on a stand
 _DURATION = 10.0  # s
 _LONGER = 2.0  # times what a way takes at the commanded speed, and _DURATION more, before it is given up
 
@@ -131,12 +131,12 @@ def walk(
     require_possible(plan, blueprint)
     session: assembly.Session
     if on_bus:
-        session = assembly.connect(blueprint, ports, real=real, rate_hz=rate, log=log, torque=_HANGING if hang else 1.0)
+        session = assembly.connect(blueprint, ports, real=real, rate_hz=rate, log=log, torque=HANGING if hang else 1.0)
     else:
         session = assembly.simulate(
             blueprint, rate_hz=rate, seed=seed, log=log, faults=faults or (), terrain=terrain or assembly.FLAT)
     outing = Outing(session, plan, film=gif is not None, view=view)
-    code = _go(outing)
+    code = _go(session, outing)
     code = _tell(outing.report(), json, code)
     if gif is not None:
         _draw(outing, gif)
@@ -176,21 +176,13 @@ def _require_finite(**options: float | None) -> None:
             raise UsageError(f"--{name} should be a finite number, not {value}")
 
 
-def _go(outing: Outing) -> int:
+def _go(session: assembly.Session, outing: Outing) -> int:
     """Walk; return the exit code. Whatever ends the walk, what was measured until then is kept."""
-    try:
-        with progress_line() as progress:
-            outing.run(progress)
-    except SafetyStop as error:
-        complain(str(error))
-        return error.exit_code
-    except KeyboardInterrupt:
-        complain(f"interrupted; the robot {outing.ended_as()}")
-        return 130
-    except SystemExit as stop:
-        complain(f"told to end; the robot {outing.ended_as()}")
-        return int(stop.code or 0)
-    return 0
+    with progress_line() as progress:
+        code, sentence = run_to_end(session.robot, lambda: outing.run(progress))
+    if sentence is not None:
+        complain(sentence)
+    return code
 
 
 def _tell(fields: dict[str, Any], json: bool, code: int) -> int:

@@ -1,0 +1,206 @@
+"""`robotwalk teleop`: a person or a program drives the robot, live."""
+
+import math
+import os
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from robotwalk import assembly
+from robotwalk.cli.ending import run_to_end
+from robotwalk.cli.output import abandon_stdout, complain, say, write_json
+from robotwalk.cli.ports import HANGING, by_bus
+from robotwalk.errors import UsageError
+from robotwalk.robot import Robot, check_command
+from robotwalk.teleop import messages
+from robotwalk.teleop.ask import Device
+from robotwalk.teleop.bridge import Bridge
+from robotwalk.teleop.drive import Drive
+from robotwalk.teleop.layout import LayoutName
+from robotwalk.teleop.tiller import Tiller
+from robotwalk.teleop.told import Told
+from robotwalk.types import Command
+
+Flag = Parameter(negative="")
+Several = Parameter(negative="")
+Input = Literal["keyboard", "gamepad", "socket"]
+
+_LISTEN = "127.0.0.1:8765"
+_TOKEN = "ROBOTWALK_TOKEN"  # of the environment: what is on a command line everybody can read
+
+
+def teleop(
+    robot: str,
+    /,
+    *,
+    input: Annotated[list[Input] | None, Several] = None,
+    keys: LayoutName = "ros",
+    listen: str | None = None,
+    origin: Annotated[list[str] | None, Several] = None,
+    gait: str | None = None,
+    rate: int = assembly.RATE_HZ,
+    port: list[str] | None = None,
+    real: Annotated[bool, Flag] = False,
+    hang: Annotated[bool, Flag] = False,
+    terrain: str | None = None,
+    faults: Path | None = None,
+    seed: int | None = None,
+    truth: Path | None = None,
+    log: Path | None = None,
+    json: Annotated[bool, Flag] = False,
+) -> int:
+    """Stand up and be driven: a simulated robot in real time, or with --port or --real the one on a bus.
+
+    One driver at a time; whoever asks first has the helm until it rests for half a second. STOP is heard from anyone.
+
+    Parameters
+    ----------
+    robot
+        A bundled name (see `robotwalk list robots`), or the path of a YAML file.
+    input
+        What drives: keyboard, gamepad or socket; may be given several times. Default: the keyboard.
+    keys
+        Of the keyboard: ros (u i o, j k l, m , . as teleop_twist_keyboard) or wasd. The screen shows them.
+    listen
+        HOST:PORT of the socket, by default 127.0.0.1:8765; implies --input socket. Beyond this computer clients need
+        the token that is in the environment's ROBOTWALK_TOKEN.
+    origin
+        Of web pages whose scripts may connect, such as http://localhost:8000. Programs need none.
+    gait
+        To begin with. Default: the first that it has of tripod, tetrapod, trot and wave.
+    rate
+        Ticks per second.
+    port
+        BUS=URL: drive what is on this line. Once for each bus, and imu=URL for the IMU.
+    real
+        Open the ports that the robot's file names, or physical ones given by --port. The robot will move.
+    hang
+        For the first motion, on a stand with the feet off the ground: a third of the torque.
+    terrain
+        The ground of the simulation: a name from `robotwalk list terrains`, or the path of a YAML file. Default: flat.
+    faults
+        What goes wrong in the simulation, and when: a YAML file (see `robotwalk list faults`).
+    seed
+        Of the simulation.
+    truth
+        Write what really happens in the simulation to this file, as JSON lines at 50 Hz.
+    log
+        Record every tick to this MCAP file, for PlotJuggler or Foxglove.
+    json
+        JSON lines on stdout: one when drivers are heard, and one at the end.
+    """
+    ports = by_bus(port or [])
+    on_bus = bool(ports) or real
+    simulated = {"terrain": terrain, "faults": faults, "seed": seed, "truth": truth}
+    for option, value in simulated.items():
+        if on_bus and value is not None:
+            raise UsageError(f"--{option} is for a simulation; there is none behind a port")
+    if hang and not on_bus:
+        raise UsageError("--hang is for a robot on a bus: name it with --port, or say --real")
+    assembly.check_rate(rate)
+    blueprint = assembly.load(robot, calibrated=on_bus)
+    check = _check_of(blueprint)
+    check(Command(gait=gait))
+    tiller = Tiller(
+        blueprint.model.motion, blueprint.model.heights,
+        [name for name in blueprint.gaits if name not in blueprint.refused], gait or blueprint.default_gait)
+    if terrain is not None:
+        assembly.load_terrain(terrain)
+    inputs: list[Input] = list(dict.fromkeys(input or ["keyboard"]))
+    if listen is not None and "socket" not in inputs:
+        inputs.append("socket")
+    with ExitStack() as stack:
+        if not on_bus:
+            ports = stack.enter_context(assembly.own_device(robot, simulated))
+        session = assembly.connect(
+            blueprint, ports, real=real, rate_hz=rate, log=log, torque=HANGING if hang else 1.0)
+        stack.callback(session.robot.close)  # if it comes to nothing
+        devices: list[Device] = []
+        show = _screen(stack, blueprint.model.name, tiller, devices)
+        for name in inputs:
+            devices.append(_open(name, blueprint, tiller, keys, listen or _LISTEN, origin or []))
+            stack.callback(devices[-1].close)
+        _say_ready(devices, json)
+        drive = Drive(session.robot, Bridge(devices, check), show)
+        code, sentence = run_to_end(session.robot, drive.run)
+    if sentence is not None:
+        complain(sentence)
+    untold = _tell(session.robot, drive, json)
+    return code or untold
+
+
+def _check_of(blueprint: assembly.Blueprint) -> Callable[[Command], None]:
+    """Return what raises UsageError for a command that makes no sense for a robot."""
+    return partial(
+        check_command, model=blueprint.model, gaits=tuple(blueprint.gaits), refused=blueprint.refused)
+
+
+def _open(
+    name: Input, blueprint: assembly.Blueprint, tiller: Tiller, keys: LayoutName, listen: str, origins: list[str],
+) -> Device:
+    """Open an input device. Its module is loaded only now: not everybody has a gamepad.
+
+    Raises:
+        UsageError: it cannot be had.
+    """
+    if name == "keyboard":
+        from robotwalk.teleop.keyboard import Keyboard
+
+        return Keyboard(tiller, keys)
+    if name == "gamepad":
+        from robotwalk.teleop.gamepad import Gamepad
+
+        return Gamepad(tiller)
+    from robotwalk.teleop.websocket import Address, WebSocketDoor
+
+    return WebSocketDoor(
+        Address.parse(listen), blueprint.model.name, tuple(blueprint.gaits), token=os.environ.get(_TOKEN),
+        origins=origins)
+
+
+def _screen(
+    stack: ExitStack, robot: str, tiller: Tiller, devices: Sequence[Device],
+) -> Callable[[float, Told, str | None], None]:
+    """Return what shows the state: on a terminal a screen, else nothing."""
+    if not sys.stderr.isatty():
+        return lambda now, told, refusal: None
+    from robotwalk.teleop.screen import Screen
+
+    return stack.enter_context(Screen(robot, tiller, devices)).show
+
+
+def _say_ready(devices: Sequence[Device], json: bool) -> None:
+    """Say where drivers are heard, to whoever cannot see it on the screen."""
+    inputs = [device.status for device in devices]
+    if json:
+        write_json({"ready": True, "inputs": inputs})
+        sys.stdout.flush()
+    elif not sys.stderr.isatty():
+        complain(f"driven by {', '.join(inputs)}")
+
+
+def _tell(robot: Robot, drive: Drive, json: bool) -> int:
+    """Say what came of it; return 1 if nobody could be told, else 0."""
+    told = drive.told
+    try:
+        if json:
+            write_json({
+                "robot": robot.model.name, **messages.fields(told),
+                "events": [event._asdict() for event in robot.events]})
+        else:
+            for event in robot.events:
+                if event.kind not in ("state", "interrupt"):
+                    say(f"{event.t:6.2f} s  {event.text}")
+            pose = told.pose
+            say(f"{robot.model.name} was up for {drive.seconds:.0f} s; by its odometry it ended at x {pose.x:+.2f} m, "
+                f"y {pose.y:+.2f} m, turned {math.degrees(pose.yaw):+.0f} deg")
+        sys.stdout.flush()
+    except OSError:
+        abandon_stdout()
+        return 1
+    return 0
