@@ -164,8 +164,9 @@ class Stepping:
         self._senses = senses if senses is not None else (None,) * len(self._feet)
         loads = loads or (0.0,) * len(self._feet)
         for index, foot in enumerate(self._feet):
-            if foot.sector is not None:
-                self._move(index, foot, foot.sector, clock, course, twist, dt, up)
+            sector = foot.sector
+            if sector is not None:
+                self._move(index, foot, sector, clock, course, twist, dt, up)
                 if foot.sector is None:
                     foot.spent = clock.gait.sector_at(index, clock.phase)
             else:
