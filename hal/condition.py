@@ -58,6 +58,7 @@ class ConditionRota:
 
     Attributes:
         limp: the slots of servos that said that their torque is off.
+        gathered: the reads, by slot, that bring a servo's whole condition from where it was gathered.
         limits: where the servos' own protections act, by slot, as far as they were asked.
         tripped: the slots whose bus watchdog has tripped, or may have; see `rearm`.
     """
@@ -71,12 +72,20 @@ class ConditionRota:
         self._counts: dict[tuple[int, str], tuple[int, int]] = {}  # by slot and register: counts, and when, ns
         self.limp: set[int] = set()
         self.limits: dict[int, ServoLimits] = {}
+        self.gathered: dict[int, Probe] = {}
         self._turns.extend(probe for servo in servos for probe in probes(protocol, servo))
 
     def gather(self, probe: Probe) -> None:
         """Read a servo's condition by this alone."""
+        self.gathered[probe.servo.slot] = probe
         others = [other for other in self._turns if other.servo.slot != probe.servo.slot]
         self._turns = deque(sorted((*others, probe), key=lambda each: each.servo.slot))
+
+    def forget_one(self, slot: int) -> None:
+        """Forget what was read of a servo that has started anew."""
+        self._counts = {place: told for place, told in self._counts.items() if place[0] != slot}
+        self.limp.discard(slot)
+        self.tripped.discard(slot)
 
     def forget(self) -> None:
         """Forget all that was read: torque was off then, or the servo was another."""
@@ -110,7 +119,11 @@ class ConditionRota:
         if status is None or status.error or len(status.data) != probe.size:
             return
         slot, model = probe.servo.slot, probe.servo.model
-        for name, counts in zip(probe.names, probe.decode(status.data), strict=True):
+        told = dict(zip(probe.names, probe.decode(status.data), strict=True))
+        torque = model.cyclic.telemetry.torque
+        if self.gathered.get(slot) is probe and not any(told.values()):
+            told = {torque: 0}  # it has started anew, and gathers nothing
+        for name, counts in told.items():
             self._counts[slot, name] = counts, now
         if self._counts.get((slot, model.cyclic.telemetry.torque), (1, 0))[0]:
             self.limp.discard(slot)
@@ -118,7 +131,7 @@ class ConditionRota:
             self.limp.add(slot)
         if model.watchdog is not None:
             register, armed = model.watchdog
-            tripped = register.name in probe.names and self._counts[slot, register.name][0] != armed
+            tripped = told.get(register.name, armed) != armed
             if tripped and slot not in self._rearmed:
                 self.tripped.add(slot)
 
@@ -131,7 +144,7 @@ class ConditionRota:
         """Return what is wrong with a servo, in words, as far as it was asked."""
         name = servo.model.cyclic.telemetry.error
         if name is None:
-            return ()
+            return ()  # its answers tell only that something is
         counts, _ = self._counts.get((servo.slot, name), (0, 0))
         meanings = dict(enumerate(servo.model[name].flags))
         return tuple(meanings.get(bit) or f"fault {bit}" for bit in range(8) if counts >> bit & 1)

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 from hal.condition import Probe, probe
 from hal.protocol import ServoProtocol
-from hal.register_map import Register
+from hal.register_map import Register, ServoModel
 from hal.wired import Wired
 
 _ADDRESS, _DATA = "indirect_address_{}", "indirect_data_{}"
@@ -36,13 +36,8 @@ def gather(protocol: ServoProtocol, servo: Wired, read: Read, write: Write) -> P
     model = servo.model
     if _ADDRESS.format(1) not in model.by_name:
         return None
-    fields: list[tuple[Register, int]] = []
-    wanted: list[int] = []
-    for name in model.condition:
-        fields.append((model[name], len(wanted)))
-        wanted += range(model[name].address, model[name].end)
-    base, addresses = model[_DATA.format(1)].address, model[_ADDRESS.format(1)].address
-    mapped = b"".join(address.to_bytes(_WIDTH, "little") for address in wanted)
+    base = model[_DATA.format(1)].address
+    addresses, mapped = mapping(model)
     found = read(addresses, len(mapped))
     if found != mapped:
         if int.from_bytes(found[:_WIDTH], "little") != base:
@@ -50,4 +45,15 @@ def gather(protocol: ServoProtocol, servo: Wired, read: Read, write: Write) -> P
         write(addresses, mapped)
         if read(addresses, len(mapped)) != mapped:
             return None
+    fields: list[tuple[Register, int]] = []
+    offset = 0
+    for name in model.condition:
+        fields.append((model[name], offset))
+        offset += model[name].size
     return probe(protocol, servo, base, fields)
+
+
+def mapping(model: ServoModel) -> tuple[int, bytes]:
+    """Return where the indirect addresses begin, and what they are to be for the condition to be gathered."""
+    wanted = [address for name in model.condition for address in range(model[name].address, model[name].end)]
+    return model[_ADDRESS.format(1)].address, b"".join(address.to_bytes(_WIDTH, "little") for address in wanted)

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from hal.arming import Arming
 from hal.bus_plan import SHARE_OF_TICK
 from hal.line_cycle import PATIENCE
+from hal.revival import Revival
 from hal.servo_line import ServoLine
 from hal.wired import Wired
 from robotwalk.errors import BusError
@@ -17,6 +18,7 @@ _NS = 1_000_000_000
 _PATIENCE = 40_000_000  # ns past the time that the bytes take, while arming
 _QUIET = 10_000_000  # ns after which no reply is under way any more
 _LONGEST_BITE = 3600.0  # s
+_UNHEARD = 3  # servos
 
 
 class SerialServoBus:
@@ -38,6 +40,7 @@ class SerialServoBus:
         self._valid = [False] * count
         self._max_age = dict.fromkeys((line.name for line in lines), 0.0)
         self._paused = True  # watchdogs off, no conditions read
+        self._torque = 1.0  # share of the largest
         self._exchanged = 0  # ns, when the last exchange began
         self._bite = round(_NS * min([line.watchdogs.shortest for line in lines] + [_LONGEST_BITE]))  # ns
 
@@ -73,6 +76,23 @@ class SerialServoBus:
         """The slots of joints that the last exchange has sent to where they are: they had stopped there."""
         return tuple([slot for line in self._lines for slot in line.reseeded])
 
+    def curable(self, slot: int) -> bool | None:
+        """Tell whether what is wrong with a joint's servo may be mended by `revive`; None: that is not known yet."""
+        line, servo = self._places[slot]
+        watch, arming = line.cycle.watch, servo.model.arming
+        if slot not in line.cycle.alerts:
+            return slot in watch.rota.limp
+        if servo.model.cyclic.telemetry.error is None:
+            return bool(arming.torque_clears)
+        faults = watch.rota.faults(servo)
+        return set(faults) <= {*arming.restart_clears, *arming.torque_clears} if faults else None
+
+    def revive(self, slot: int) -> Revival:
+        """Begin to bring a joint's servo back that has let go: over the next ticks, beside the exchange."""
+        line, servo = self._places[slot]
+        revival = line.cycle.watch.errand = Revival(line, servo, self._torque, self._clock)
+        return revival
+
     def conditions(self) -> Mapping[str, ServoCondition]:
         """Return what each servo last told of itself, by its joint."""
         now = self._clock.now()
@@ -101,6 +121,7 @@ class SerialServoBus:
                 found standing on it.
         """
         self._fall_silent()
+        self._torque = torque
         self._heard = [self._clock.now() - _NS] * len(self._joints)
         arming = Arming(self._lines, self._clock, self._exchange_patiently)
         state = arming.find(period)
@@ -164,14 +185,20 @@ class SerialServoBus:
             line.broadcast_torque_off()
         self._disarm_watchdogs(line)
         self._wait(_QUIET)
-        for index, servo in enumerate(line.servos):
-            try:
-                if self._is_on(line, servo):
-                    line.write_register(self._clock, servo, "torque_enable", 0)
-            except BusError:
-                # The others are hardly to be heard either, and somebody waits.
-                return [other.joint for other in line.servos[index:]]
-        return []
+        doubtful: list[str] = []
+        unheard = 0  # in a row
+        for servo in line.servos:
+            # Where some are not to be heard the others hardly are either, and somebody waits.
+            if unheard < _UNHEARD:
+                try:
+                    if self._is_on(line, servo):
+                        line.write_register(self._clock, servo, "torque_enable", 0)
+                    unheard = 0
+                    continue
+                except BusError:
+                    unheard += 1
+            doubtful.append(servo.joint)
+        return doubtful
 
     def _resume(self) -> None:
         self._paused = False

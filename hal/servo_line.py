@@ -1,6 +1,6 @@
 """All servos on one wire: single requests to them, and the wire's part in every tick. Any brand."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 from hal.encoding import pack, unpack
 from hal.line_cycle import LineCycle
@@ -48,7 +48,8 @@ class ServoLine:
     def goal_frames(self, goals: Sequence[float] | None, position: Sequence[float]) -> bytes:
         """Return what writes the goals, if any, and arms the watchdogs that are due.
 
-        Whose watchdog has tripped, or may have, is sent to where it is, in this one tick.
+        Whose watchdog has tripped, or may have, is sent to where it is, in this one tick; so is, all the time, who is
+        being brought back.
 
         Args:
             goals: rad, in the robot's joint order.
@@ -57,17 +58,24 @@ class ServoLine:
         Raises:
             ValueError: a goal is NaN or infinite.
         """
-        self.reseeded = ()
-        frames, tripped = self.cycle.goal_frames(goals), self.cycle.watch.rota.tripped
-        if goals is None or not (tripped or self.watchdogs.due):
-            return frames
+        tripped = self.cycle.watch.rota.tripped
+        there = tripped | self.reviving if self.reviving else tripped
+        self.reseeded = tuple(there)
+        if goals is None or not (there or self.watchdogs.due):
+            return self.cycle.goal_frames(goals)
+        if there:
+            goals = [position[slot] if slot in there else goal for slot, goal in enumerate(goals)]
+        frames = self.cycle.goal_frames(goals)
         if tripped:
-            self.reseeded = tuple(tripped)
-            here = [position[slot] if slot in tripped else goal for slot, goal in enumerate(goals)]
-            frames = self.cycle.goal_frames(here)
             self.watchdogs.arm_again(tripped)
             self.cycle.watch.rota.rearm()
         return self.watchdogs.armed(frames)
+
+    @property
+    def reviving(self) -> Set[int]:
+        """The slots of servos that are being brought back, and should hold where they are."""
+        errand = self.cycle.watch.errand
+        return frozenset() if errand is None else {errand.slot}
 
     def request(self, clock: Clock, frame: bytes, servo_id: int, size: int | None = None) -> Status | None:
         """Send one instruction and wait for its status; again if none comes in time, and None if none ever does.

@@ -68,7 +68,10 @@ class Arming(Row):
     set: Annotated[dict[str, int], Field(default_factory=dict)]  # forgotten without power: written where they differ
     explain: Annotated[dict[str, int], Field(default_factory=dict)]  # worth a word where they differ
     position_limits: tuple[str, str]  # between which a joint's whole range must lie
-    restart_clears: tuple[str, ...] = ()  # faults after which a restart may follow unasked, as the error's flags say
+    # Faults after which a restart, or torque off and on, may follow unasked, as the error's flags say. Of a servo that
+    # has no such register nothing is known: it may have been overloaded, and if it was not, its fault will stay.
+    restart_clears: tuple[str, ...] = ()
+    torque_clears: tuple[str, ...] = ()
     watchdog: BusWatchdog | None = None  # None: the servo has none, and keeps on by itself
 
     def among(self, names: Collection[str]) -> "Arming":

@@ -223,7 +223,8 @@ class Loop:
         command = self._command
         if now - self._beaten_at > _HEARTBEAT:
             command = command._replace(twist=STILL, heading=None)
-        state, command, holding, news = self._safety.step(joints, command, seated=wanted.seated)
+        state, command, holding, news = self._safety.step(
+            joints, command, seated=wanted.seated, standing=wanted.standing)
         wanted = self._controller.step(state, command, estimate, dt)
         goals = self._reentry.step(
             self._feedforward.step(wanted.angles, wanted.torques, dt), wanted.angles, joints, holding,

@@ -46,6 +46,20 @@ class Clock(Protocol):
         ...
 
 
+class Revival(Protocol):
+    """A servo that is being brought back."""
+
+    @property
+    def over(self) -> bool:
+        """Whether it is back, or cannot be brought back."""
+        ...
+
+    @property
+    def failure(self) -> str | None:
+        """Why it could not be brought back, in words that follow "the servo of lf_coxa: "."""
+        ...
+
+
 class ServoBus(Protocol):
     """All the robot's joints, over however many wires."""
 
@@ -75,6 +89,14 @@ class ServoBus(Protocol):
 
     def condition(self, slot: int) -> ServoCondition:
         """Return what the servo of one joint last told of itself."""
+        ...
+
+    def curable(self, slot: int) -> bool | None:
+        """Tell whether what is wrong with a joint's servo may be mended by `revive`; None: that is not known yet."""
+        ...
+
+    def revive(self, slot: int) -> Revival:
+        """Begin to bring a joint's servo back that has let go, over the next exchanges; it holds then where it is."""
         ...
 
     def arm(self, period: int, torque: float = 1.0) -> JointState:

@@ -261,7 +261,7 @@ class Robot:
         state = self.loop.supervisor.state
         if state is State.FAULT:
             self._come_down()
-        if state in (State.STAND, State.WALK):
+        if state in (State.STAND, State.WALK, State.MEND):
             self.loop.command = Command()
             self._request(Request.SIT)
             state = State.SIT

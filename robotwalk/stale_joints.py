@@ -18,17 +18,16 @@ class Staleness(NamedTuple):
     """What is to be done about it."""
 
     holding: tuple[int, ...]  # joints whose goals are to be held
-    trouble: str | None  # why the robot should sit, in words
+    silent: tuple[int, ...]  # joints for which the robot should sit
 
 
-NOBODY = Staleness((), None)
+NOBODY = Staleness((), ())
 
 
 class StaleJoints:
     """Looks at the age of every joint's last answer."""
 
-    def __init__(self, joints: Sequence[str], config: StaleConfig) -> None:
-        self._joints = tuple(joints)
+    def __init__(self, config: StaleConfig) -> None:
         self._hold_after, self._sit_after = config.hold_after_s, config.sit_after_s
         self._too_old = Agreement()
 
@@ -36,9 +35,9 @@ class StaleJoints:
         """Look at them, s, once a tick."""
         oldest = max(ages)
         # A computer that stalled for a second finds all of them too old, once.
-        trouble = self._too_old.step(oldest > self._sit_after)
+        too_old = self._too_old.step(oldest > self._sit_after)
         if oldest <= self._hold_after:
             return NOBODY
-        if trouble:
-            return Staleness((), f"joint {self._joints[ages.index(oldest)]} has not answered for {oldest:.2f} s")
-        return Staleness(tuple([index for index, age in enumerate(ages) if age > self._hold_after]), None)
+        silent = tuple([index for index, age in enumerate(ages) if age > self._sit_after]) if too_old else ()
+        held = [index for index, age in enumerate(ages) if age > self._hold_after and index not in silent]
+        return Staleness(tuple(held), silent)

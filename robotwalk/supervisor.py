@@ -5,9 +5,11 @@
     STAND  rising to its feet, or standing --walk-->  WALK,   --sit-->    SIT
     WALK   stepping                        --halt-->  STAND,  --sit-->    SIT
     SIT    stepping to rest, lowering      --seated-> READY,  --stand--> STAND
+    MEND   as SIT, to help a servo         --mended-> STAND, and on with what it was at
     FAULT  as SIT, for a reason            --seated-> STOP, and stays there
 
-A fault takes every state with torque on to FAULT; from STOP nothing can fault.
+A fault takes every state with torque on to FAULT; from STOP nothing can fault. A servo that can be helped takes
+STAND and WALK to MEND.
 """
 
 from enum import Enum
@@ -23,6 +25,7 @@ class State(Enum):
     STAND = "stand"
     WALK = "walk"
     SIT = "sit"
+    MEND = "mend"
     FAULT = "fault"
 
 
@@ -46,7 +49,12 @@ TRANSITIONS: dict[tuple[State, Request], State] = {
     (State.WALK, Request.HALT): State.STAND,
     (State.WALK, Request.SIT): State.SIT,
     (State.SIT, Request.STAND): State.STAND,
+    (State.MEND, Request.WALK): State.MEND,  # and then go on with that
+    (State.MEND, Request.HALT): State.MEND,
+    (State.MEND, Request.STAND): State.MEND,
+    (State.MEND, Request.SIT): State.SIT,
 }
+_UP = {Request.WALK: State.WALK, Request.HALT: State.STAND, Request.STAND: State.STAND}
 
 
 class Supervisor:
@@ -56,6 +64,12 @@ class Supervisor:
         """Start in STOP."""
         self.state = State.STOP
         self.fault: str | None = None
+        self._resumes: State | None = None  # what it goes on with, once a servo is helped and the robot stands
+
+    @property
+    def low(self) -> bool:
+        """Whether the body is down, or on its way there or back, for something that was found."""
+        return self.state in (State.MEND, State.FAULT) or self._resumes is not None
 
     def request(self, request: Request) -> None:
         """Change the state as asked.
@@ -65,17 +79,39 @@ class Supervisor:
         """
         if self.fault is not None:
             raise UsageError(f"cannot {request.value}: the robot stopped because {self.fault}")
+        if self._resumes is not None and request in _UP:
+            self._resumes = _UP[request]
+            return
         after = TRANSITIONS.get((self.state, request))
         if after is None:
             raise UsageError(f"cannot {request.value} in state {self.state.name}")
-        self.state = after
+        self.state, self._resumes = after, None
 
-    def step(self, trouble: str | None, *, seated: bool) -> State:
-        """Take note of why the robot should come down, if it should, and of whether it is; return the state."""
-        if trouble is not None and self.state is not State.STOP and self.fault is None:
-            self.fault = trouble
+    def step(
+        self, trouble: str | None, *, seated: bool, standing: bool = False, helping: str | None = None
+    ) -> State:
+        """Take note of what was found in a tick; return the state.
+
+        Args:
+            trouble: why the robot should come down, in words; None: nothing.
+            seated: whether the body is down.
+            standing: whether it is up, all feet at rest.
+            helping: why it should come down for a while, in words; None: no servo needs help.
+        """
+        state = self.state
+        if helping is not None and state in (State.STAND, State.WALK):
+            self._resumes = self._resumes or state
+            self.state = State.MEND
+        elif helping is not None and state is not State.MEND:
+            trouble = trouble or helping  # nobody is helped on the way down
+        elif state is State.MEND and helping is None:
+            self.state = State.STAND
+        elif state is State.STAND and standing and self._resumes is not None:
+            self.state, self._resumes = self._resumes, None
+        if trouble is not None and state is not State.STOP and self.fault is None:
+            self.fault, self._resumes = trouble, None
             self.state = State.FAULT
-        if seated:
+        elif seated:
             if self.state is State.SIT:
                 self.state = State.READY
             elif self.state is State.FAULT:

@@ -205,8 +205,9 @@ class Outing:
         rate = self._robot.loop.rate_hz
         if self._measuring:
             self._walking_ticks += tick.state is State.WALK
-            self._truth.add(*self._place())
-            self._odometry.add(tick.estimate.pose)
+            if not self._robot.loop.supervisor.low:  # to lie down is no fall
+                self._truth.add(*self._place())
+                self._odometry.add(tick.estimate.pose)
             if tick.state is State.WALK:
                 margin = tick.stability.margin
                 self._margin = -math.inf if margin is None else min(self._margin, margin)

@@ -43,8 +43,15 @@ class GovernorConfig(Section):
         return self
 
 
+class RecoveryConfig(Section):
+    """How servos that have let go are brought back: the robot lies down for that, and gets up again."""
+
+    tries: Annotated[int, Field(ge=0, le=100)] = 3  # with any one servo; 0: it sits down and stays there
+
+
 class SafetyConfig(Section):
     """All of it."""
 
     stale: StaleConfig = StaleConfig()
     governor: GovernorConfig = GovernorConfig()
+    recovery: RecoveryConfig = RecoveryConfig()

@@ -14,8 +14,12 @@ ALLOWED = {
     ("walk", "halt"): "stand",
     ("walk", "sit"): "sit",
     ("sit", "stand"): "stand",
+    ("mend", "walk"): "mend",
+    ("mend", "halt"): "mend",
+    ("mend", "stand"): "mend",
+    ("mend", "sit"): "sit",
 }
-WITH_TORQUE = [State.READY, State.STAND, State.WALK, State.SIT]
+WITH_TORQUE = [State.READY, State.STAND, State.WALK, State.SIT, State.MEND]
 
 
 def supervisor(state: State) -> Supervisor:
@@ -45,8 +49,36 @@ def test_a_robot_begins_without_torque() -> None:
 @pytest.mark.parametrize("state", State)
 def test_being_seated_ends_sitting_down(state: State) -> None:
     ends = {State.SIT: State.READY, State.FAULT: State.STOP}
-    assert supervisor(state).step(None, seated=False) is state
-    assert supervisor(state).step(None, seated=True) is ends.get(state, state)
+    helping = "a servo let go" if state is State.MEND else None
+    assert supervisor(state).step(None, seated=False, helping=helping) is state
+    assert supervisor(state).step(None, seated=True, helping=helping) is ends.get(state, state)
+
+
+@pytest.mark.parametrize(("state", "asked", "after"), [
+    (State.WALK, None, State.WALK), (State.STAND, None, State.STAND),
+    (State.WALK, Request.HALT, State.STAND), (State.STAND, Request.WALK, State.WALK),
+])
+def test_a_robot_that_lay_down_for_a_servo_gets_up_and_goes_on(
+    state: State, asked: Request | None, after: State
+) -> None:
+    watched = supervisor(state)
+    assert watched.step(None, seated=False, helping="a servo let go") is State.MEND
+    assert watched.step(None, seated=True, helping="a servo let go") is State.MEND
+    if asked is not None:
+        watched.request(asked)
+    assert watched.step(None, seated=True) is State.STAND
+    # Another one lets go as it rises.
+    assert watched.step(None, seated=False, helping="a servo let go") is State.MEND
+    assert watched.step(None, seated=False) is State.STAND
+    assert watched.step(None, seated=False) is State.STAND
+    assert watched.step(None, seated=False, standing=True) is after
+
+
+def test_nobody_is_helped_while_the_robot_sits_down() -> None:
+    watched = supervisor(State.WALK)
+    watched.step(None, seated=False, helping="a servo let go")
+    watched.request(Request.SIT)
+    assert watched.step(None, seated=False, helping="a servo let go") is State.FAULT
 
 
 @pytest.mark.parametrize("state", WITH_TORQUE)
