@@ -18,6 +18,7 @@ from robotwalk.types import Command, Pose, Twist
 Facing = float | Literal["kept", "ahead"]
 
 _THERE = 0.01  # m
+_NEAR = 0.15  # m; from there on it is seen whether a goal is passed
 _SLOWING = 1.0  # s; nearer to a goal than this takes at full speed, the speed falls in proportion
 _LOOK_AHEAD = 0.06  # m along a path
 _TOO_NEAR = 0.02  # m; what is nearer has no direction to face
@@ -64,15 +65,17 @@ class Seek:
         self._goal = x, y
         self._speed = speed
         self._course = _Course(facing)
-        self._from: tuple[float, float] | None = None
+        self._from: tuple[float, float] | None = None  # where it came near, m
 
     def step(self, estimate: Estimate, dt: float) -> Command:
         """Return the command of this tick."""
         pose, (x, y) = estimate.pose, self._goal
-        if self._from is None:
+        way = math.hypot(x - pose.x, y - pose.y)
+        if self._from is None and way < _NEAR:
             self._from = pose.x, pose.y
-        ahead = (x - pose.x) * (x - self._from[0]) + (y - pose.y) * (y - self._from[1])
-        self.done = self.done or ahead <= 0.0 or math.hypot(x - pose.x, y - pose.y) <= _THERE
+        passed = self._from is not None and (
+            (x - pose.x) * (x - self._from[0]) + (y - pose.y) * (y - self._from[1]) <= 0.0)
+        self.done = self.done or passed or way <= _THERE
         return self._course.command(pose, x, y, self._speed)
 
 

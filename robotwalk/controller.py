@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from robotwalk.barriers import Barrier, Barriers
 from robotwalk.body import Body, in_odom, placed, seen_from, up_axis
 from robotwalk.contact import Felt, Sense, sag
 from robotwalk.estimator import Estimate, tilted
@@ -24,7 +25,6 @@ from robotwalk.types import LEVEL, STILL, Command, Pose, Twist, Vec3
 from robotwalk.unfold import Unfold
 from robotwalk.velocity import Propulsion, Shaped, VelocityShaper, feasible
 
-_SAME_PLACE = 0.15  # m; a hole may swallow one foot, an edge another one right after it
 _HEADING_GAIN = 2.0  # rad/s per rad off the heading
 _ROUNDING = 1e-9
 
@@ -42,7 +42,8 @@ class Wanted(NamedTuple):
     reach_error: float  # m, the farthest that a leg is short of its target
     standing: bool  # at its height, all feet at rest
     seated: bool  # lowered, all feet at rest
-    at_edge: bool = False  # a foot found no ground on the way that is commanded
+    barriers: tuple[Barrier, ...] = ()  # where the body is
+    barred: Barrier | None = None  # what bars the way that is commanded: the robot stands
 
 
 NOTHING_WANTED = Wanted((), STILL, 1.0, (), (), (), LEVEL, 0.0, standing=False, seated=False)
@@ -84,9 +85,8 @@ class Controller:
         self._felt = False  # the feet feel the ground
         self._fastest_foot = 0.0  # m/s over the ground, of the twist to go for
         self._pace = Pace()
-        self._found_none = False  # in the last tick a foot was giving up
-        self._gave_up_at: Pose | None = None
-        self._edge: Twist | None = None  # the way on which there was no ground
+        self._barriers = Barriers()
+        self._barred: Barrier | None = None
         self._sway = Sway(model)
         self._rocking = Rocking(model)
         self._reaction = Reaction(model)
@@ -124,11 +124,13 @@ class Controller:
         return Wanted(
             angles, twist, shaped.scale, footfalls.planted, statics.torques, statics.legs, self._pose, reach_error,
             standing=settled and state in (State.STAND, State.WALK), seated=settled and lowered,
-            at_edge=self._edge is not None)
+            barriers=self._barriers.near, barred=self._barred)
 
     def _shape(self, state: State, command: Command, estimate: Estimate, dt: float) -> tuple[Shaped, float]:
         """Return the twist to walk with, and the share of the feasible one that the standing feet can bear."""
-        twist = command.twist if state is State.WALK and not self._at_edge(command.twist) else STILL
+        asked = command.twist if state is State.WALK else STILL
+        self._barred = self._barriers.step(self._body.course, asked, self._footfalls.giving_up)
+        twist = asked if self._barred is None else STILL
         if state is State.WALK and command.heading is not None:
             turn = _HEADING_GAIN * (command.heading - estimate.pose.yaw)
             limit = self._model.motion.turn
@@ -151,18 +153,6 @@ class Controller:
             share = math.hypot(*most) / math.hypot(*aim)
         return self._shaper.step(twist, gait, dt, share, pushes=pushes), bearable
 
-    def _at_edge(self, wanted: Twist) -> bool:
-        """Tell whether there is no ground that way: feet have looked for it in vain, twice at about one place."""
-        found_none, self._found_none = self._found_none, self._footfalls.no_ground
-        if self._found_none and not found_none:
-            here = self._body.course
-            before, self._gave_up_at = self._gave_up_at, here
-            if before is not None and math.hypot(here.x - before.x, here.y - before.y) < _SAME_PLACE:
-                self._edge = wanted
-        elif self._edge is not None and self._edge.vx * wanted.vx + self._edge.vy * wanted.vy <= 0.0:
-            self._edge = None
-        return self._edge is not None
-
     def _carriage(self, state: State, command: Command) -> tuple[float, Pose]:
         """Return the height and the posture to go for; down only once the feet are at rest."""
         heights = self._model.heights
@@ -181,7 +171,10 @@ class Controller:
     def _turn_needle(self, twist: Twist, bearable: float, period: float | None, dt: float) -> None:
         """Turn it by a tick, unless lift-offs have to wait; with the body still and all feet at rest, stop it."""
         was_idle = self._idle
-        self._idle = twist == STILL and self._stepping.settled(self._foot_course, anywhere=self._edge is not None)
+        # What barred the way may be where feet rest.
+        anywhere = bool(self._barriers.near) or self._barriers.unsettled
+        still = twist == STILL and self._fastest_foot == 0.0
+        self._idle = still and self._stepping.settled(self._foot_course, anywhere=anywhere)
         if was_idle and not self._idle:
             self._clock.rewind()
         elif not self._idle and not self._waiting and not self._footfalls.late:

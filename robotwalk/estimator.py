@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from robotwalk.barriers import Barrier
 from robotwalk.body import advanced
 from robotwalk.contact import Felt
 from robotwalk.model import RobotModel
@@ -26,6 +27,7 @@ class Estimate(NamedTuple):
     feet: tuple[Vec3 | None, ...] = ()  # in the base frame, m; None where a joint did not answer
     felt: tuple[Felt | None, ...] = ()  # by each foot; empty where nothing can be felt
     switches: tuple[FootSwitch, ...] = ()  # of each foot; empty: the robot has none
+    barriers: tuple[Barrier, ...] = ()  # that its feet have found where it is
 
 
 class Odometry:

@@ -220,6 +220,7 @@ class Loop:
             lying = tilted(wanted.pose, imu)
             up = up_in_base(lying.roll, lying.pitch)
             estimate = estimate._replace(felt=self._sense.step(joints, wanted.legs, up, dt, switches))
+        estimate = estimate._replace(barriers=wanted.barriers)
         command = self._command
         if now - self._beaten_at > _HEARTBEAT:
             command = command._replace(twist=STILL, heading=None)

@@ -5,7 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType, TracebackType
 from typing import NamedTuple, Self
 
+from robotwalk.barriers import Kind
 from robotwalk.behaviours import Behaviour
+from robotwalk.detour import Detour
 from robotwalk.errors import RobotwalkError, SafetyStop, UsageError
 from robotwalk.estimator import Estimate
 from robotwalk.interrupts import Interrupts
@@ -31,6 +33,9 @@ from robotwalk.types import (
 
 _LONGEST_STAND_UP = 15.0  # s; so long as this, something blocks it
 _LONGEST_SIT_DOWN = 20.0  # s, the last steps included
+_BARRED: Mapping[Kind, str] = {
+    "edge": "a foot found no ground ahead: stopped",
+    "obstacle": "feet cannot step over what holds them back: stopped"}
 LONGEST_WALK = 86400.0  # s, a day
 LONGEST_PERIOD = 60.0  # s, of a gait
 
@@ -200,7 +205,7 @@ class Robot:
 
     def follow(
         self, behaviour: Behaviour, *, seconds: float, gait: str | None = None, height: float | None = None,
-        period: float | None = None,
+        period: float | None = None, detours: bool = True,
     ) -> bool:
         """Let a behaviour steer until it is done or `seconds` have passed, then stop and stand.
 
@@ -208,6 +213,7 @@ class Robot:
             behaviour: one of `robotwalk.behaviours`, or of yours.
             seconds: how long at most; slowing down comes on top.
             gait, height, period: where the behaviour leaves them open, as for `walk`.
+            detours: whether to go round where its way is barred; else the robot stands there.
 
         Returns:
             Whether it was done.
@@ -217,8 +223,10 @@ class Robot:
             SafetyStop: the robot had to sit down.
         """
 
+        driver = Detour(behaviour) if detours else behaviour
+
         def command(estimate: Estimate) -> Command:
-            wanted = behaviour.step(estimate, 1.0 / self.loop.rate_hz)
+            wanted = driver.step(estimate, 1.0 / self.loop.rate_hz)
             return wanted._replace(
                 gait=gait if wanted.gait is None else wanted.gait,
                 height=height if wanted.height is None else wanted.height,
@@ -390,12 +398,13 @@ class Robot:
     def _tick(self) -> Tick:
         # The caller of this thread is the driver, and alive.
         self.loop.beat()
-        was_at_edge = self._last is not None and self._last.wanted.at_edge
+        was_barred = self._last.wanted.barred if self._last is not None else None
         tick = self._last = self.loop.tick()
         for kind, text in tick.news:
             self.note(kind, text)
-        if tick.wanted.at_edge and not was_at_edge:
-            self.note("edge", "a foot found no ground ahead: stopped")
+        barred = tick.wanted.barred
+        if barred is not None and barred is not was_barred:
+            self.note(barred.kind, _BARRED[barred.kind])
         self._seconds += 1.0 / self.loop.rate_hz
         self._listen(tick.estimate)
         for observer in self.observers:

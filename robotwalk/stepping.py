@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from random import Random
 from typing import NamedTuple
 
+from robotwalk.barriers import GivingUp
 from robotwalk.body import advanced, placed
 from robotwalk.contact import Sense
 from robotwalk.foot import Foot
@@ -54,7 +55,7 @@ class Footfalls(NamedTuple):
     stood: tuple[Vec3, ...]  # in odom, m: where each foot stands, or stood last
     late: bool  # some foot's swing goes on past its turn: the needle has to wait
     searching: bool  # a foot found none below it, and looks around or goes back
-    no_ground: bool  # it found none at all
+    giving_up: GivingUp | None  # a foot that found no ground at all, or is held back
 
 
 FLAT = GroundPlane()
@@ -206,16 +207,23 @@ class Stepping:
     def footfalls(self) -> Footfalls:
         """Return the feet as they are."""
         feet = self._feet
-        searching = [(foot.search, foot.bumps) for foot in feet if foot.search is not None]
+        searching = [foot.search for foot in feet if foot.search is not None]
         return Footfalls(
             tuple([foot.place for foot in feet]),
             tuple([foot.sector is None for foot in feet]),
             tuple([foot.target[:2] for foot in feet]),
             tuple([foot.stood for foot in feet]),
             any(self._is_late(foot) for foot in feet),
-            any(search.phase is not Phase.DOWN for search, _ in searching),
-            any(search.gave_up and bumps == 0 for search, bumps in searching),
+            any(search.phase is not Phase.DOWN for search in searching),
+            self._giving_up() if searching else None,
         )
+
+    def _giving_up(self) -> GivingUp | None:
+        for foot in self._feet:
+            if foot.search is not None and (foot.bumps > _BUMPS or (foot.search.gave_up and foot.bumps == 0)):
+                way = math.atan2(foot.target.y - foot.stood.y, foot.target.x - foot.stood.x)
+                return GivingUp("obstacle" if foot.bumps else "edge", way)
+        return None
 
     def _is_late(self, foot: Foot) -> bool:
         """Tell whether the needle has to wait for a foot: it looks for ground, or its swing outlasts its sector."""

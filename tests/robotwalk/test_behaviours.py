@@ -47,8 +47,10 @@ def test_seeking_gets_there_at_full_speed_and_ends_even_if_it_passes_by() -> Non
     run = steered(Seek(0.5, 0.2, speed=0.1))
     assert math.hypot(*run[-1][1].twist[:2]) == pytest.approx(0.1)
     assert math.dist(run[-1][0][:2], (0.5, 0.2)) <= 0.01
-    run = steered(Seek(0.5, 0.0, speed=0.1), push=(0.6, 0.1))
+    run = steered(Seek(0.3, 0.0, speed=0.1), push=(0.2, 0.05))
     assert len(run) == 201
+    run = steered(Seek(0.5, 0.0, speed=0.1), push=(0.6, 0.1))  # far off its way it comes back
+    assert math.dist(run[-1][0][:2], (0.5, 0.0)) <= 0.01
 
 
 @pytest.mark.parametrize("facing", ["kept", "ahead"])

@@ -1,0 +1,77 @@
+"""Ways that lead nowhere: over an edge, or into what the feet cannot step over (ARTH section 7.1: impeded progress).
+
+One foot may be unlucky. A way is barred where feet have given up twice with the body at about one place: looking for
+ground, or stepping over what holds them back. It is barred as long as the body stays there, for all ways near it.
+"""
+
+import math
+from typing import Literal, NamedTuple
+
+from robotwalk.types import STILL, Pose, Twist
+
+_SAME_PLACE = 0.15  # m; a hole may swallow one foot, an edge another one right after it
+_SAME_WAY = math.radians(80.0)  # a way along the barrier is none into it
+_MOST = 8  # that are remembered at once
+
+Kind = Literal["edge", "obstacle"]
+
+
+class GivingUp(NamedTuple):
+    """A foot gives up its way."""
+
+    kind: Kind
+    way: float  # of its step, rad in odom
+
+
+class Barrier(NamedTuple):
+    """One way that leads nowhere."""
+
+    kind: Kind
+    x: float  # of the body in odom when it was found, m
+    y: float
+    way: float  # rad in odom
+
+    def bars(self, way: float) -> bool:
+        """Tell whether a way, rad in odom, leads into it."""
+        return abs(math.remainder(way - self.way, math.tau)) < _SAME_WAY
+
+
+class Barriers:
+    """Those that one robot has found.
+
+    Attributes:
+        near: where the body is now.
+        unsettled: whether a foot gave up on its way to rest since the robot was asked to stand.
+    """
+
+    def __init__(self) -> None:
+        self.near: tuple[Barrier, ...] = ()
+        self.unsettled = False
+        self._giving_up = False  # some foot, in the last tick
+        self._gave_up_at: Pose | None = None
+
+    def step(self, course: Pose, twist: Twist, giving_up: GivingUp | None) -> Barrier | None:
+        """Look at one tick; return what bars the way that is asked for.
+
+        Args:
+            course: of the body.
+            twist: that is asked for, in the base frame.
+            giving_up: a foot, just now.
+        """
+        if self.near:
+            self.near = tuple(
+                barrier for barrier in self.near
+                if math.hypot(barrier.x - course.x, barrier.y - course.y) < _SAME_PLACE)
+        begins, self._giving_up = giving_up is not None and not self._giving_up, giving_up is not None
+        self.unsettled = twist == STILL and (self.unsettled or begins)
+        if begins and giving_up is not None and not self._known(giving_up.way):
+            before, self._gave_up_at = self._gave_up_at, course
+            if before is not None and math.hypot(course.x - before.x, course.y - before.y) < _SAME_PLACE:
+                self.near = (*self.near, Barrier(giving_up.kind, course.x, course.y, giving_up.way))[-_MOST:]
+                self._gave_up_at = None
+        if twist.vx == twist.vy == 0.0:
+            return None
+        return self._known(course.yaw + math.atan2(twist.vy, twist.vx))
+
+    def _known(self, way: float) -> Barrier | None:
+        return next((barrier for barrier in self.near if barrier.bars(way)), None)
