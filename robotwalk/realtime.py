@@ -5,7 +5,7 @@ import ctypes
 import os
 from collections.abc import Iterator
 
-_PRIORITY = 10  # of 99: above all that is ordinary, below what the kernel itself needs
+LOOP_PRIORITY = 10  # of 99: above all that is ordinary, below what the kernel itself needs
 _PR_SET_TIMERSLACK = 29  # linux/prctl.h
 _LATENCY = "/dev/cpu_dma_latency"
 
@@ -18,7 +18,7 @@ def sharpen_timers() -> None:
 def raise_priority() -> bool:
     """Have this process run before ordinary ones; return whether it has the right to."""
     try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_PRIORITY))
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(LOOP_PRIORITY))
     except OSError:
         return False
     return True
