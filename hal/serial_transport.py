@@ -3,18 +3,17 @@
 import contextlib
 import errno
 import os
-import select
 import termios
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import serial
 
+from hal.descriptor_port import DescriptorPort
 from hal.echo import EchoFilter
 from hal.tunable_port import TunablePort
 from robotwalk.errors import BusError
 
-_CHUNK = 4096  # bytes; more than any reply
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
@@ -57,14 +56,12 @@ def open_plainly(url: str, baud: int) -> "SerialPort":
     return SerialPort(url, line)
 
 
-class SerialPort:
-    """A `TunablePort` over pyserial."""
+class SerialPort(DescriptorPort):
+    """A `TunablePort` over pyserial, which sets the line up; bytes go by its descriptor."""
 
     def __init__(self, url: str, line: serial.SerialBase) -> None:
-        self._url = url
+        super().__init__(url, line.fileno(), line.baudrate)
         self._line = line
-        self._fileno: int = line.fileno()
-        os.set_blocking(self._fileno, False)
 
     @property
     def baud(self) -> int:
@@ -80,56 +77,15 @@ class SerialPort:
         except (serial.SerialException, ValueError, OSError, termios.error) as error:
             raise BusError(f"{self._url} cannot be set to {baud} baud: {error}") from error
 
-    def fileno(self) -> int:
-        """Return the descriptor to poll."""
-        return self._fileno
-
-    def write(self, data: bytes) -> None:
-        """Send bytes.
-
-        Raises:
-            BusError: the line is gone.
-        """
-        # Not by pyserial: its write waits, or spins, for as long as a stuck adapter takes no bytes.
-        try:
-            written = os.write(self._fileno, data)
-        except BlockingIOError:
-            written = 0
-        except OSError as error:
-            raise BusError(f"{self._url} is gone: {error.strerror}") from error
-        if written < len(data):
-            raise BusError(f"{self._url} takes no more bytes: is its adapter stuck?")
-
-    def waiting(self) -> int:
-        """Return how many bytes can be read (over a socket: 1 for any)."""
-        return int(self._line.in_waiting)
-
-    def read(self) -> bytes:
-        """Return the bytes that have come.
-
-        Raises:
-            BusError: the line is gone.
-        """
-        # Not by pyserial, which asks twice whether there is anything.
-        data = self._read()
-        if data or not select.select([self._fileno], [], [], 0)[0]:
-            return data
-        data = self._read()  # what has come in between
-        if not data:
-            raise BusError(f"{self._url} is gone: it ends")
-        return data
-
-    def _read(self) -> bytes:
-        try:
-            return os.read(self._fileno, _CHUNK)
-        except BlockingIOError:
-            return b""
-        except OSError as error:
-            raise BusError(f"{self._url} is gone: {error.strerror}") from error
-
     def close(self) -> None:
         """Give the line back."""
         self._line.close()
+
+
+def inherited_port(url: str, baud: int, descriptor: int, *, echoes: bool = True) -> TunablePort:
+    """Return the line that our parent has opened; an echo of what is sent is dropped where it may be one."""
+    port = DescriptorPort(url, descriptor, baud)
+    return EchoFilter(port) if echoes else port
 
 
 def _reason(url: str, error: Exception) -> str:

@@ -19,6 +19,7 @@ _PATIENCE = 40_000_000  # ns past the time that the bytes take, while arming
 _QUIET = 10_000_000  # ns after which no reply is under way any more
 _LONGEST_BITE = 3600.0  # s
 _UNHEARD = 3  # servos
+_ADOPTION = 3  # tries at hearing everybody; the robot may be falling
 
 
 class SerialServoBus:
@@ -143,6 +144,28 @@ class SerialServoBus:
         finally:
             self.notes = tuple(arming.notes)
         return state
+
+    def adopt(self, believed: Sequence[float]) -> JointState:
+        """Have every servo hold where it is: who talked with them has died, maybe in the middle of a frame.
+
+        Watchdogs that have tripped refuse goals, so they are disarmed; armed again once the goals are where the joints
+        are, for whoever adopts them may die, too.
+
+        Args:
+            believed: rad, where those are that do not answer.
+        """
+        self.pause()
+        self._wait(_QUIET)
+        for _ in range(_ADOPTION):
+            state = self._exchange_patiently(None)
+            if all(state.valid):
+                break
+        known = zip(state.position, self._heard, believed, strict=True)
+        here = tuple([position if heard else other for position, heard, other in known])
+        for _ in range(2):  # nobody acknowledges goals
+            self._resume()
+            self._transact(here, self._clock.now(), _NS, _PATIENCE)
+        return state._replace(position=here)
 
     def exchange(self, goals: Sequence[float], period: int) -> JointState:
         """Write the goals (rad) to all joints and read all of them back, within `period` ns.

@@ -99,7 +99,7 @@ class Controller:
         unfold = self._unfold
         if unfold is not None and not unfold.done:
             # On the way down too: it may have been found standing, and is down only when its joints have arrived.
-            angles = unfold.step(0.0 if state is State.READY else dt)
+            angles = unfold.step(0.0 if state in (State.READY, State.HELD) else dt)
             return NOTHING_WANTED._replace(
                 angles=angles, planted=self._stepping.footfalls().planted, torques=self._no_torques)
         shaped, bearable = self._shape(state, command, estimate, dt)

@@ -8,6 +8,7 @@ wake-up has. The same code runs on wall time and on simulated time.
 import hashlib
 import struct
 import time
+from collections import Counter
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -51,6 +52,11 @@ class Loop:
     """Runs the cycle of one robot. The driver changes `command` between ticks, and shows by `beat` that it lives.
 
     Whatever a driver has it do goes onto its tape first, if it has one.
+
+    Attributes:
+        rate_hz, period: ticks per second; ns from one to the next.
+        armed: whether torque was switched on, or partly, and not off since.
+        wake, exchange, compute: how late the ticks began, how long the bus and the IMU took, and all else.
     """
 
     def __init__(
@@ -70,6 +76,7 @@ class Loop:
         record: Callable[[Row], None] | None = None,
         tape: Tape | None = None,
         sense: FootSense | None = None,
+        histograms: tuple[Histogram, Histogram, Histogram] | None = None,
     ) -> None:
         self.rate_hz = rate_hz
         self._masses = Masses(model)
@@ -92,10 +99,11 @@ class Loop:
         self.period = _NS // rate_hz
         self._grid = Grid(rate_hz, after=clock.now())
         self._paused = False
+        self.armed = False
         self._goals: tuple[float, ...] = ()
         self._joints = JointState((), (), (), (), ())
         self._wanted = NOTHING_WANTED
-        self.wake, self.exchange, self.compute = Histogram(), Histogram(), Histogram()
+        self.wake, self.exchange, self.compute = histograms or (Histogram(), Histogram(), Histogram())
         self._digest = hashlib.sha256()
         self._packing = struct.Struct(f"<{2 * len(bus.joints)}d")
 
@@ -131,12 +139,48 @@ class Loop:
             BusError: see `ServoBus.arm`.
         """
         self._taped("arm", torque)
-        return self._bus.arm(self.period, torque)
+        state = self._bus.arm(self.period, torque)
+        self.armed = True
+        return state
 
     def disarm(self) -> list[str]:
         """Switch torque off; return the joints at which that could not be confirmed. Never raises."""
         self._taped("disarm")
+        self.armed = False
         return self._bus.disarm()
+
+    def hold(self) -> None:
+        """Have every joint stay where it was last measured, whatever the driver wants, until `clear`."""
+        self._taped("hold")
+        if self.state in (State.STOP, State.HELD):
+            return
+        self.supervisor.hold()
+        self._take_over(self._joints._replace(position=self._measured()))
+
+    def clear(self) -> None:
+        """Let a held robot go: it sits down, and may then stand up."""
+        self._taped("clear")
+        self.supervisor.clear()
+
+    @property
+    def state(self) -> State:
+        """What the robot is allowed to do now."""
+        return self.supervisor.state
+
+    @property
+    def fault(self) -> str | None:
+        """Why the robot was brought down, if it was."""
+        return self.supervisor.fault
+
+    @property
+    def low(self) -> bool:
+        """Whether the robot is on its way down for a reason, or on its way up from there."""
+        return self.supervisor.low
+
+    @property
+    def cuts(self) -> Counter[tuple[str, str]]:
+        """How many goals the gate has cut, by joint and by what."""
+        return self.gate.cuts
 
     def pause(self) -> None:
         """Have every joint hold what it holds, for no tick will follow for a while. The next one goes on from there."""
@@ -156,13 +200,7 @@ class Loop:
     def begin(self, state: JointState) -> None:
         """Take over joints that hold their places, as `arm` returned them; the first tick is on the next grid point."""
         self._taped("begin")
-        self._controller.start(state.position)
-        self.gate.reset(state.position)
-        self._feedforward.reset(state.position)
-        self._reentry.reset(state.position)
-        self._goals = state.position
-        self._joints = state
-        self._wanted = self._wanted._replace(planted=())
+        self._take_over(state)
         self._grid = Grid(self.rate_hz, after=self._clock.now())
 
     def tick(self) -> Tick:
@@ -201,12 +239,25 @@ class Loop:
         """
         self._taped("freeze")
         for _ in range(2):  # nobody acknowledges goals
-            goals = [
-                position if valid else goal
-                for position, valid, goal in zip(self._joints.position, self._joints.valid, self._goals, strict=True)]
-            self._goals = self.gate.step(goals, 1.0 / self.rate_hz)
+            self._goals = self.gate.step(self._measured(), 1.0 / self.rate_hz)
             self._bus.exchange(self._goals, self.period)
         self._bus.pause()
+
+    def _measured(self) -> tuple[float, ...]:
+        """Return where each joint is: measured if it answered, else where it was sent."""
+        return tuple([
+            position if valid else goal
+            for position, valid, goal in zip(self._joints.position, self._joints.valid, self._goals, strict=True)])
+
+    def _take_over(self, state: JointState) -> None:
+        """Go on from joints that hold their places."""
+        self._controller.start(state.position)
+        self.gate.reset(state.position)
+        self._feedforward.reset(state.position)
+        self._reentry.reset(state.position)
+        self._goals = state.position
+        self._joints = state
+        self._wanted = self._wanted._replace(planted=())
 
     def _think(
         self, now: int, joints: JointState, imu: ImuState | None, switches: tuple[FootSwitch, ...], dt: float

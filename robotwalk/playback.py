@@ -140,6 +140,10 @@ class Playback:
                 return loop.freeze
             case Call("disarm"):
                 return loop.disarm
+            case Call("hold"):
+                return loop.hold
+            case Call("clear"):
+                return loop.clear
         raise UsageError(f"the log has the loop do {call.name!r}, which this version does not know")
 
     def _arm(self, loop: Loop, torque: float) -> None:

@@ -3,10 +3,16 @@
 import contextlib
 import ctypes
 import os
+import resource
+import signal
 from collections.abc import Iterator
 
 LOOP_PRIORITY = 10  # of 99: above all that is ordinary, below what the kernel itself needs
+DEVICE_PRIORITY = 5  # of a simulated robot that must answer in time, on the computer of its loop
 _PR_SET_TIMERSLACK = 29  # linux/prctl.h
+_PR_SET_PDEATHSIG = 1
+_PR_SET_NAME = 15
+_MCL_CURRENT, _MCL_FUTURE = 1, 2  # sys/mman.h
 _LATENCY = "/dev/cpu_dma_latency"
 
 
@@ -15,13 +21,43 @@ def sharpen_timers() -> None:
     ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, ctypes.c_ulong(1))
 
 
-def raise_priority() -> bool:
+def raise_priority(priority: int = LOOP_PRIORITY) -> bool:
     """Have this process run before ordinary ones; return whether it has the right to."""
     try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(LOOP_PRIORITY))
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
     except OSError:
         return False
     return True
+
+
+def pin() -> None:
+    """Keep this process on one processor, the last that it may use: the first ones get most interrupts."""
+    usable = os.sched_getaffinity(0)
+    if len(usable) > 1:
+        os.sched_setaffinity(0, {max(usable)})
+
+
+def lock_memory() -> bool:
+    """Keep all memory of this process from being paged out, now and later; return whether there is the right to.
+
+    Not under a limit: an allocation beyond it would fail.
+    """
+    unlimited = resource.getrlimit(resource.RLIMIT_MEMLOCK)[0] == resource.RLIM_INFINITY
+    if not (unlimited or os.geteuid() == 0):
+        return False
+    return bool(ctypes.CDLL(None).mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0)
+
+
+def name_process(name: str) -> None:
+    """Call this process `name`, up to 15 characters, for `ps` and `top`."""
+    ctypes.CDLL(None).prctl(_PR_SET_NAME, name.encode())
+
+
+def end_with(parent: int) -> None:
+    """Have SIGTERM sent to this process when its parent, of that process id, dies, or at once if it is dead."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, ctypes.c_ulong(signal.SIGTERM))
+    if os.getppid() != parent:
+        os.kill(os.getpid(), signal.SIGTERM)
 
 
 @contextlib.contextmanager

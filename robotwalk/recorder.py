@@ -100,6 +100,10 @@ class Recorder:
         self._queue.put(row)
         self.tape.add(Concluded(row.joints))
 
+    def take(self, item: Row | list[Step]) -> None:
+        """Take a row, or steps of the tape, of a loop that runs elsewhere."""
+        self._queue.put(item)
+
     def event(self, time: int, event: Event) -> None:
         """Take an event, at `time` ns."""
         self._queue.put((time, event))

@@ -7,13 +7,13 @@ from typing import NamedTuple, Self
 
 from robotwalk.barriers import Kind
 from robotwalk.behaviours import Behaviour
+from robotwalk.cycle import BusReports, Cycle, SensorReports
 from robotwalk.detour import Detour
 from robotwalk.errors import RobotwalkError, SafetyStop, UsageError
 from robotwalk.estimator import Estimate
 from robotwalk.interrupts import Interrupts
-from robotwalk.loop import Loop, Tick
+from robotwalk.loop import Tick
 from robotwalk.model import RobotModel
-from robotwalk.ports import FootSwitches, Imu, ServoBus
 from robotwalk.recorder import Event, Recorder
 from robotwalk.sensor_watch import SensorWatch
 from robotwalk.supervisor import Request, State
@@ -89,11 +89,12 @@ class Robot:
         model, gaits, loop, events: what it is made of, and what has happened.
         observers: called with every tick.
         frozen: whether it was left with torque on.
+        doubtful: joints at which torque may still be on though it was switched off.
     """
 
     def __init__(
-        self, model: RobotModel, gaits: Sequence[str], loop: Loop, bus: ServoBus, *,
-        imu: Imu | None = None, foot_switches: FootSwitches | None = None, recorder: Recorder | None = None,
+        self, model: RobotModel, gaits: Sequence[str], loop: Cycle, bus: BusReports, *,
+        imu: SensorReports | None = None, foot_switches: SensorReports | None = None, recorder: Recorder | None = None,
         torque: float = 1.0, refused: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """Join the parts.
@@ -121,8 +122,8 @@ class Robot:
         self._seconds = 0.0
         self._last: Tick | None = None
         self._entered = False
-        self._armed = False  # whether we have switched torque on, and not yet off
         self.frozen = False
+        self.doubtful: list[str] = []
 
     def __enter__(self) -> Self:
         self._interrupts.install()
@@ -148,7 +149,7 @@ class Robot:
         last = self._last_tick
         seen = last.estimate
         return RobotState(
-            self.loop.supervisor.state, last.joints, seen.pose, last.wanted.twist, seen.imu, seen.switches)
+            self.loop.state, last.joints, seen.pose, last.wanted.twist, seen.imu, seen.switches)
 
     @property
     def _last_tick(self) -> Tick:
@@ -170,7 +171,7 @@ class Robot:
         """
         if not self._entered:
             raise UsageError("use the robot in a `with` block: only that seats it whatever happens")
-        state = self.loop.supervisor.state
+        state = self.loop.state
         if state is State.STOP:
             self._arm()
         self.loop.command = Command()
@@ -243,7 +244,7 @@ class Robot:
         """Walk for some time or until something is so, then stop and stand."""
         check_duration(seconds)
         self.command(command)
-        if self.loop.supervisor.state is not State.WALK:
+        if self.loop.state is not State.WALK:
             self._request(Request.WALK)
         self._run(seconds, until=until)
         self.loop.command = self.loop.command._replace(twist=STILL, heading=None)
@@ -266,7 +267,8 @@ class Robot:
         Raises:
             SafetyStop: the robot was coming down for a fault, or could not sit.
         """
-        state = self.loop.supervisor.state
+        self.await_clear()
+        state = self.loop.state
         if state is State.FAULT:
             self._come_down()
         if state in (State.STAND, State.WALK, State.MEND):
@@ -276,6 +278,12 @@ class Robot:
         if state is State.SIT:
             self._run(_LONGEST_SIT_DOWN, until=lambda tick: tick.state is State.READY, what="sit")
         self._disarm()
+
+    def await_clear(self) -> None:
+        """Wait for as long as somebody's `stop` holds the robot in place; then it is on its way down, and may stand."""
+        if self.loop.state is State.HELD:
+            while self._tick().state is State.HELD:
+                self._interrupts.check()
 
     def conditions(self) -> Mapping[str, ServoCondition]:
         """Return what each servo last told of itself, by its joint: voltage, temperature, current, faults."""
@@ -347,7 +355,7 @@ class Robot:
 
     def _request(self, request: Request) -> None:
         self.loop.request(request)
-        self.note("state", self.loop.supervisor.state.value)
+        self.note("state", self.loop.state.value)
 
     def _arm(self) -> None:
         self._request(Request.ARM)
@@ -356,19 +364,17 @@ class Robot:
         except BaseException:
             self._request(Request.DISARM)
             raise
-        self._armed = True
         for text in self._bus.notes:
             self.note("audit", text)
         self.loop.begin(state)
 
     def _disarm(self) -> None:
         """Switch torque off, if we have switched it on, and say so if that cannot be confirmed."""
-        if self._armed:
-            self._armed = False
-            doubtful = self.loop.disarm()
-            if doubtful:
-                self.note("torque", f"torque may still be on at {', '.join(doubtful)}: cut the power")
-        if self.loop.supervisor.state is State.READY:
+        if self.loop.armed:
+            self.doubtful = self.loop.disarm()
+            if self.doubtful:
+                self.note("torque", f"torque may still be on at {', '.join(self.doubtful)}: cut the power")
+        if self.loop.state is State.READY:
             self._request(Request.DISARM)
 
     def _freeze(self) -> None:
@@ -388,6 +394,9 @@ class Robot:
             tick = self._tick()
             if tick.state is State.FAULT:
                 self._come_down()
+            if tick.state is State.HELD:
+                self.note("stop", "told to stop: held in place")
+                raise SafetyStop("the robot was told to stop, and was held in place")
             if until(tick):
                 return
             self._interrupts.check()
@@ -399,11 +408,15 @@ class Robot:
         # The caller of this thread is the driver, and alive.
         self.loop.beat()
         was_barred = self._last.wanted.barred if self._last is not None else None
-        tick = self._last = self.loop.tick()
+        try:
+            tick = self._last = self.loop.tick()
+        except SafetyStop as error:
+            self.note("safety_stop", str(error))
+            raise
         for kind, text in tick.news:
             self.note(kind, text)
         barred = tick.wanted.barred
-        if barred is not None and barred is not was_barred:
+        if barred is not None and barred != was_barred:
             self.note(barred.kind, _BARRED[barred.kind])
         self._seconds += 1.0 / self.loop.rate_hz
         self._listen(tick.estimate)
@@ -429,11 +442,12 @@ class Robot:
         Raises:
             SafetyStop: always.
         """
-        reason = self.loop.supervisor.fault or "it was stopped"
+        reason = self.loop.fault or "it was stopped"
         for _ in range(round(_LONGEST_SIT_DOWN * self.loop.rate_hz)):
             if self._tick().state is State.STOP:
                 break
             self._interrupts.check()
+            self.await_clear()
         self._disarm()
         self.note("safety_stop", reason)
         raise SafetyStop(

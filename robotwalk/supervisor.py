@@ -7,9 +7,11 @@
     SIT    stepping to rest, lowering      --seated-> READY,  --stand--> STAND
     MEND   as SIT, to help a servo         --mended-> STAND, and on with what it was at
     FAULT  as SIT, for a reason            --seated-> STOP, and stays there
+    HELD   frozen in place                 --clear--> SIT or FAULT
 
 A fault takes every state with torque on to FAULT; from STOP nothing can fault. A servo that can be helped takes
-STAND and WALK to MEND.
+STAND and WALK to MEND. Somebody who says `stop` takes every state with torque on to HELD, where nothing moves, not even
+for a fault.
 """
 
 from enum import Enum
@@ -27,6 +29,7 @@ class State(Enum):
     SIT = "sit"
     MEND = "mend"
     FAULT = "fault"
+    HELD = "held"
 
 
 class Request(Enum):
@@ -87,6 +90,16 @@ class Supervisor:
             raise UsageError(f"cannot {request.value} in state {self.state.name}")
         self.state, self._resumes = after, None
 
+    def hold(self) -> None:
+        """Let the robot hold where it is, until `clear`."""
+        if self.state is not State.STOP:
+            self.state, self._resumes = State.HELD, None
+
+    def clear(self) -> None:
+        """Let a held robot go: it sits down."""
+        if self.state is State.HELD:
+            self.state = State.SIT if self.fault is None else State.FAULT
+
     def step(
         self, trouble: str | None, *, seated: bool, standing: bool = False, helping: str | None = None
     ) -> State:
@@ -110,7 +123,7 @@ class Supervisor:
             self.state, self._resumes = self._resumes, None
         if trouble is not None and state is not State.STOP and self.fault is None:
             self.fault, self._resumes = trouble, None
-            self.state = State.FAULT
+            self.state = State.FAULT if state is not State.HELD else state
         elif seated:
             if self.state is State.SIT:
                 self.state = State.READY

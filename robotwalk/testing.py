@@ -152,7 +152,7 @@ class FakeRobot:
 
     def _watch(self, tick: Tick) -> None:
         if self._journey is not None:
-            if tick.state in (State.WALK, State.STAND) and not self.robot.loop.supervisor.low:
+            if tick.state in (State.WALK, State.STAND) and not self.robot.loop.low:
                 self._journey.add(*self._place)
         elif tick.state is State.WALK:
             self._journey = self._begin()

@@ -2,11 +2,13 @@
 
 from array import array
 from bisect import bisect_right
+from collections.abc import Sequence
 from typing import NamedTuple
 
 # Buckets are 2 % wide from 1 us to about 10 s: 1.02^800 = 7.6e6.
 _GROWTH = 1.02
 _BUCKETS = 820
+HISTOGRAM_SIZE = 8 * (_BUCKETS + 1)  # bytes
 
 
 class Percentiles(NamedTuple):
@@ -31,26 +33,34 @@ class Histogram:
 
     _EDGES = _edges()
 
-    def __init__(self) -> None:
-        self._counts = array("Q", bytes(8 * _BUCKETS))
-        self._max = 0.0
+    def __init__(self, memory: memoryview | None = None) -> None:
+        """Begin with nothing counted; in `memory`, of HISTOGRAM_SIZE bytes, go on from what is there."""
+        # The last element is the longest duration, ns.
+        self._counts = memory.cast("Q") if memory is not None else array("Q", bytes(HISTOGRAM_SIZE))
 
     def add(self, nanoseconds: int) -> None:
         """Count a duration; negative ones count as 0."""
-        us = nanoseconds * 1e-3
-        if us > self._max:
-            self._max = us
-        self._counts[min(bisect_right(self._EDGES, us), _BUCKETS) - 1 if us > 0.0 else 0] += 1
+        counts, us = self._counts, nanoseconds * 1e-3
+        if nanoseconds > counts[_BUCKETS]:
+            counts[_BUCKETS] = nanoseconds
+        counts[min(bisect_right(self._EDGES, us), _BUCKETS) - 1 if us > 0.0 else 0] += 1
+
+    def clear(self) -> None:
+        """Begin anew."""
+        for index in range(len(self._counts)):
+            self._counts[index] = 0
 
     def percentiles(self) -> Percentiles:
         """Return upper bounds of the percentiles, right to a bucket's 2 % up to 11 s; all 0 if nothing was counted."""
-        return Percentiles(self._quantile(0.5), self._quantile(0.99), self._quantile(0.999), round(self._max, 1))
+        counts, longest = self._counts[:_BUCKETS], 1e-3 * self._counts[_BUCKETS]
+        p50, p99, p999 = (self._quantile(share, counts, longest) for share in (0.5, 0.99, 0.999))
+        return Percentiles(p50, p99, p999, round(longest, 1))
 
-    def _quantile(self, share: float) -> float:
-        wanted = share * sum(self._counts)
+    def _quantile(self, share: float, counts: Sequence[int], longest: float) -> float:
+        wanted = share * sum(counts)
         seen = 0
-        for index, count in enumerate(self._counts):
+        for index, count in enumerate(counts):
             seen += count
             if count and seen >= wanted:
-                return round(min(self._EDGES[index + 1], self._max), 1)
+                return round(min(self._EDGES[index + 1], longest), 1)
         return 0.0

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Protocol
 
 from robotwalk.model import RobotModel
-from robotwalk.realtime import sharpen_timers
+from robotwalk.realtime import DEVICE_PRIORITY, raise_priority, sharpen_timers
 from sim_backend.endpoint import Endpoint
 from sim_backend.real_time import RealTime
 from sim_backend.simulated_clock import SimulatedClock
@@ -108,6 +108,7 @@ def serve(
     gc.collect()
     gc.freeze()
     sharpen_timers()
+    raise_priority(DEVICE_PRIORITY)
     with doors as endpoints, contextlib.ExitStack() as stack:
         pace = RealTime(robot.clock.now())
         if truth is not None:

@@ -10,11 +10,13 @@ from robotwalk.assembly.blueprint import load_gaits as load_gaits
 from robotwalk.assembly.blueprint import load_servo as load_servo
 from robotwalk.assembly.blueprint import supply_load as supply_load
 from robotwalk.assembly.bus_bench import measure_bus as measure_bus
+from robotwalk.assembly.connected import attach as attach
+from robotwalk.assembly.connected import connect as connect
 from robotwalk.assembly.own_device import own_device as own_device
 from robotwalk.assembly.session import RATE_HZ as RATE_HZ
+from robotwalk.assembly.session import LocalSession as LocalSession
 from robotwalk.assembly.session import Session as Session
 from robotwalk.assembly.session import check_rate as check_rate
-from robotwalk.assembly.session import connect as connect
 from robotwalk.assembly.simulated import FLAT as FLAT
 from robotwalk.assembly.simulated import Simulation as Simulation
 from robotwalk.assembly.simulated import bare_physics as bare_physics

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from hal.hardware import FEET_PORT, IMU_PORT
 from robotwalk.assembly.blueprint import Blueprint, load
-from robotwalk.assembly.session import RATE_HZ, Session, check_rate, open_log, robot_of
+from robotwalk.assembly.session import RATE_HZ, LocalSession, check_rate, engine_of, open_log, robot_of
 from robotwalk.config import library
 from robotwalk.errors import UsageError
 from robotwalk.kinematics import resting_angles
@@ -39,7 +39,7 @@ def load_terrain(terrain: str) -> Terrain:
 
 
 @dataclass(frozen=True)
-class Simulation(Session):
+class Simulation(LocalSession):
     """A robot and the world in which it walks."""
 
     world: "SimulatedRobot"
@@ -63,7 +63,8 @@ def simulate(
     world = simulated_robot(blueprint, rate_hz, seed, faults=faults, terrain=ground)
     about = {"seed": str(seed), "terrain": ground.config.name}
     recorder = open_log(log, blueprint, rate_hz, about, {"terrain.yaml": ground.document.text})
-    walker, bus = robot_of(blueprint, world.clock, world.ports, rate_hz, recorder)
+    engine = engine_of(blueprint, world.clock, world.ports, rate_hz, recorder)
+    walker, bus = robot_of(blueprint, engine, recorder), engine.bus
     return Simulation(blueprint, walker, bus, world.clock, world)
 
 

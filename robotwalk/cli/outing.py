@@ -205,7 +205,7 @@ class Outing:
         rate = self._robot.loop.rate_hz
         if self._measuring:
             self._walking_ticks += tick.state is State.WALK
-            if not self._robot.loop.supervisor.low:  # to lie down is no fall
+            if not self._robot.loop.low:  # to lie down is no fall
                 self._truth.add(*self._place())
                 self._odometry.add(tick.estimate.pose)
             if tick.state is State.WALK:
@@ -236,7 +236,7 @@ class Outing:
                 f"to {math.hypot(vx, vy):.3f} m/s and {math.degrees(wz):.1f} deg/s")
 
     def _note_cuts(self) -> None:
-        cuts = self._robot.loop.gate.cuts
+        cuts = self._robot.loop.cuts
         if cuts:
             what = ", ".join(f"{joint} {kind} {count}" for (joint, kind), count in cuts.most_common(4))
             more = "" if len(cuts) <= 4 else f" and {len(cuts) - 4} more"

@@ -20,7 +20,7 @@ from ..device import served
 
 PERIOD = 20_000_000  # ns; these tests are about the bus, not about a busy machine's pace
 
-Opener = Callable[[], assembly.Session]
+Opener = Callable[[], assembly.LocalSession]
 
 
 def free_port() -> int:
@@ -45,10 +45,10 @@ def opened(
     folder, address = str(tmp_path_factory.mktemp(robot)), f"127.0.0.1:{free_port()}"
     where = ("--pty", folder) if request.param == "pty" else ("--tcp", address)
     with served(robot, *where) as urls:
-        yield lambda: assembly.connect(robot, urls, rate_hz=50)
+        yield lambda: assembly.attach(robot, urls, rate_hz=50)
 
 
-def settle(session: assembly.Session, goals: list[float], seconds: float) -> JointState:
+def settle(session: assembly.LocalSession, goals: list[float], seconds: float) -> JointState:
     """Exchange for some time, at the period."""
     state = None
     begin = session.clock.now()

@@ -8,42 +8,10 @@ import subprocess
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import pytest
 
-from ..device import COMMAND, last_truth, served
-
-
-class Device(NamedTuple):
-    """A simulated robot behind a port."""
-
-    robot: str
-    port: str  # BUS=URL
-    truth_file: Path
-
-    def truth(self) -> dict[str, Any]:
-        """Return what is the case now."""
-        time.sleep(0.1)
-        return last_truth(self.truth_file)
-
-    def walk(self, *words: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [*COMMAND, "walk", self.robot, "--port", self.port, *words], capture_output=True, text=True, check=False)
-
-    def start_walking(self) -> subprocess.Popen[str]:
-        """Start a long walk; return once the robot is under way."""
-        walk = subprocess.Popen(
-            [*COMMAND, "walk", self.robot, "--port", self.port, "--duration", "600"], text=True,
-            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-        self.await_motion()
-        return walk
-
-    def await_motion(self) -> None:
-        deadline = time.monotonic() + 40.0
-        start = self.truth()["distance_m"]
-        while self.truth()["distance_m"] < start + 0.05:
-            assert time.monotonic() < deadline, "it does not walk"
+from ..device import COMMAND, Device, assert_seated, devices, loop_of
 
 
 @pytest.fixture(params=["hexapod", "quadruped"])
@@ -54,18 +22,6 @@ def device(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Device]:
 @pytest.fixture
 def hexapod(tmp_path: Path) -> Iterator[Device]:
     yield from devices("hexapod", tmp_path)
-
-
-def devices(robot: str, folder: Path, *words: str) -> Iterator[Device]:
-    truth = folder / "truth.jsonl"
-    with served(robot, "--pty", str(folder), "--truth", str(truth), *words) as buses:
-        yield Device(robot, f"legs={buses['legs']}", truth)
-
-
-def assert_seated(device: Device) -> None:
-    truth = device.truth()
-    assert truth["base"]["pos"][2] < 0.08
-    assert not truth["fell"]
 
 
 def test_it_walks_the_device(device: Device) -> None:
@@ -113,9 +69,12 @@ def register(device: Device, number: int, name: str) -> int:
     return int(json.loads(done.stdout)["registers"][name]["raw"])
 
 
-def test_a_walk_that_is_killed_in_mid_stride_leaves_a_robot_that_holds(hexapod: Device) -> None:
+def test_a_walk_of_which_all_is_killed_in_mid_stride_leaves_a_robot_that_holds(hexapod: Device) -> None:
     """Nobody can seat it any more. Its servos hear nothing, stop where they are, keep their torque, refuse goals."""
     walk = hexapod.start_walking()
+    loop = loop_of(walk)
+    walk.send_signal(signal.SIGSTOP)  # or it would save the robot
+    os.kill(loop, signal.SIGKILL)
     walk.kill()
     killed = time.monotonic()
     walk.wait(20)

@@ -1,0 +1,75 @@
+"""The process of a loop, `python -m robotwalk.assembly.loop_process`; `robotwalk.assembly.connected` starts it.
+
+One thread, which does nothing but this loop: no file is written, nothing logged, no garbage collected.
+"""
+
+import gc
+import os
+import sys
+
+from hal.serial_transport import inherited_port
+from robotwalk.assembly.blueprint import Files, build
+from robotwalk.assembly.session import engine_of, robot_of
+from robotwalk.process.log_feed import LogFeed
+from robotwalk.process.mailbox import unpacked
+from robotwalk.process.messages import Brief
+from robotwalk.process.servant import PulsingClock, Servant
+from robotwalk.process.shared import Mailbox
+from robotwalk.realtime import (
+    end_with,
+    lock_memory,
+    name_process,
+    pin,
+    processors_awake,
+    raise_priority,
+    sharpen_timers,
+)
+from robotwalk.timing import Histogram
+
+_GRANT = "`sudo prlimit --pid $$ --rtprio=80 --memlock=unlimited` grants it to a shell"
+
+
+def main() -> None:
+    """Run the loop that the parent asks for on stdin, until it is told to end."""
+    name_process("robotwalk-loop")
+    brief: Brief = unpacked(sys.stdin.buffer.read())
+    end_with(brief.parent)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), sys.stdin.fileno())
+    mailbox = Mailbox(brief.mailbox)
+    blueprint = build(Files.parse(brief.files))
+    sensors = blueprint.hardware.sensors
+    ports = {
+        name: inherited_port(url, blueprint.lines[name], descriptor, echoes=name not in sensors)
+        for name, (url, descriptor) in brief.lines.items()}
+    clock = PulsingClock(mailbox)
+    wake, exchange, compute = map(Histogram, mailbox.histograms)
+    engine = engine_of(
+        blueprint, clock, ports, brief.rate_hz, LogFeed(mailbox.log) if brief.recorded else None,
+        (wake, exchange, compute))
+    heard = {"imu": engine.imu, "feet": engine.switches}
+    with processors_awake() as awake:
+        lacking = _enter_real_time(awake)
+        Servant(
+            engine.loop, engine.bus, {line: sensor for line, sensor in heard.items() if sensor is not None},
+            robot_of(blueprint, engine), clock, mailbox, brief.doorbell, lacking).serve()
+
+
+def _enter_real_time(awake: bool) -> list[str]:
+    """Keep whatever else this computer does from this process, as far as there is the right to; return what lacks."""
+    gc.collect()
+    gc.freeze()
+    gc.disable()  # nothing in a tick makes cycles
+    sharpen_timers()
+    pin()
+    lacking = []
+    if not raise_priority():
+        lacking.append("no right to FIFO priority")
+    if not lock_memory():
+        lacking.append("no right to lock memory")
+    if not awake:
+        lacking.append("no right to keep processors awake")
+    return [f"the loop may be late: {', '.join(lacking)}; {_GRANT}"] if lacking else []
+
+
+if __name__ == "__main__":
+    main()
