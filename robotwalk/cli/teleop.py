@@ -3,6 +3,7 @@
 import math
 import os
 import sys
+import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import partial
@@ -63,7 +64,7 @@ def teleop(
     robot
         A bundled name (see `robotwalk list robots`), or the path of a YAML file.
     input
-        What drives: keyboard, gamepad or socket; may be given several times. Default: the keyboard.
+        What drives: keyboard, gamepad or socket; may be given several times. Default: the keyboard, if there is one.
     keys
         Of the keyboard: ros (u i o, j k l, m , . as teleop_twist_keyboard) or wasd. The screen shows them.
     listen
@@ -111,20 +112,19 @@ def teleop(
         [name for name in blueprint.gaits if name not in blueprint.refused], gait or blueprint.default_gait)
     if terrain is not None:
         assembly.load_terrain(terrain)
-    inputs: list[Input] = list(dict.fromkeys(input or ["keyboard"]))
-    if listen is not None and "socket" not in inputs:
-        inputs.append("socket")
+    inputs = _inputs(input, listen)
     with ExitStack() as stack:
-        if not on_bus:
-            ports = stack.enter_context(assembly.own_device(robot, simulated))
-        session = assembly.connect(
-            blueprint, ports, real=real, rate_hz=rate, log=log, torque=HANGING if hang else 1.0)
-        stack.callback(session.robot.close)  # if it comes to nothing
         devices: list[Device] = []
         show = _screen(stack, blueprint.model.name, tiller, devices)
         for name in inputs:
             devices.append(_open(name, blueprint, tiller, keys, listen or _LISTEN, origin or []))
             stack.callback(devices[-1].close)
+        what = "ports are opened" if on_bus else "a simulated robot starts"
+        show(time.monotonic(), Told(note=f"wait: {what}"), None)
+        if not on_bus:
+            ports = stack.enter_context(assembly.own_device(robot, simulated))
+        session = assembly.connect(
+            blueprint, ports, real=real, rate_hz=rate, log=log, torque=HANGING if hang else 1.0)
         _say_ready(devices, json)
         drive = Drive(session.robot, Bridge(devices, check), show)
         code, sentence = run_to_end(session.robot, drive.run)
@@ -138,6 +138,16 @@ def _check_of(blueprint: assembly.Blueprint) -> Callable[[Command], None]:
     """Return what raises UsageError for a command that makes no sense for a robot."""
     return partial(
         check_command, model=blueprint.model, gaits=tuple(blueprint.gaits), refused=blueprint.refused)
+
+
+def _inputs(chosen: list[Input] | None, listen: str | None) -> list[Input]:
+    """Return what drives: by default the keyboard; or a socket alone, where one is asked for and there are no keys."""
+    inputs: list[Input] = list(dict.fromkeys(chosen or []))
+    if not inputs and (listen is None or sys.stdin.isatty()):
+        inputs.append("keyboard")
+    if listen is not None and "socket" not in inputs:
+        inputs.append("socket")
+    return inputs
 
 
 def _open(

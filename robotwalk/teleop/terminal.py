@@ -38,14 +38,14 @@ class Terminal:
         self.tells_releases = False
         self.gone = False
         self._before = termios.tcgetattr(fd)
+        self._attended = False
         tty.setcbreak(fd)
-        attributes = termios.tcgetattr(fd)
-        attributes[_LFLAG] &= ~termios.ISIG  # a Ctrl-C comes as a key, in both protocols
-        termios.tcsetattr(fd, termios.TCSANOW, attributes)
         self._say(ASK_FOR_KITTY + ASK_FOR_ATTRIBUTES)
 
     def read(self, now: float) -> list[Stroke | Sign]:
         """Return what came since the last call, at `now` (s)."""
+        if not self._attended:
+            self._attend()
         data = self._bytes()
         if data:
             self._heard_at = now
@@ -59,6 +59,14 @@ class Terminal:
             self.tells_releases = True
             self._say(_HEAR_RELEASES)
         return said
+
+    def _attend(self) -> None:
+        """From now on a Ctrl-C comes as a key, in both protocols; before, nobody would have read it."""
+        self._attended = True
+        with contextlib.suppress(termios.error):
+            attributes = termios.tcgetattr(self._fd)
+            attributes[_LFLAG] &= ~termios.ISIG
+            termios.tcsetattr(self._fd, termios.TCSANOW, attributes)
 
     def ask_whether_there(self) -> None:
         """Have it say something, if it tells releases."""
