@@ -38,9 +38,14 @@ class Viewer:
         self._began = 0.0
         self._next_frame = 0.0
 
+    @property
+    def url(self) -> str:
+        """Where the page is."""
+        return f"http://{_HOST}:{self._server.get_port()}"
+
     def wait_for_browser(self) -> None:
         """Say where the page is, and wait until somebody looks."""
-        sys.stderr.write(f"robotwalk: open http://{_HOST}:{self._server.get_port()} to see it walk\n")
+        sys.stderr.write(f"robotwalk: open {self.url} to see it walk\n")
         while not self._looked_at.wait(0.2):
             pass
 

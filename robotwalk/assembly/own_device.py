@@ -9,6 +9,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from robotwalk.errors import BusError
 
@@ -16,16 +17,26 @@ _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 _COMMAND = (sys.executable, "-c", "from robotwalk.cli.main import main; main()", "sim")
 
 
-@contextlib.contextmanager
-def own_device(robot: str, options: Mapping[str, object]) -> Iterator[dict[str, str]]:
-    """Serve a simulated robot for as long as the block lasts, or this process; yield the URLs of its lines.
+class OwnDevice(NamedTuple):
+    """Where a device is."""
 
-    `options` are those of `robotwalk sim`, by their names; None leaves one out.
+    ports: dict[str, str]  # URLs by the names of buses and sensors
+    page: str | None  # that shows it
+
+
+@contextlib.contextmanager
+def own_device(robot: str, options: Mapping[str, object]) -> Iterator[OwnDevice]:
+    """Serve a simulated robot for as long as the block lasts, or this process; yield where it is.
+
+    `options` are those of `robotwalk sim`, by their names; None or False leaves one out.
 
     Raises:
         BusError: it does not start, as its words on stderr tell.
     """
-    words = [word for name, value in options.items() if value is not None for word in (f"--{name}", str(value))]
+    words: list[str] = []
+    for name, value in options.items():
+        if value not in (None, False):
+            words += [f"--{name}"] if value is True else [f"--{name}", str(value)]
     with tempfile.TemporaryDirectory(prefix="robotwalk-") as folder:
         # In a session of its own: a Ctrl-C or a hang-up of the terminal is for the driver, which seats the robot first.
         device = subprocess.Popen(
@@ -36,7 +47,8 @@ def own_device(robot: str, options: Mapping[str, object]) -> Iterator[dict[str, 
             line = device.stdout.readline()
             if not line:
                 raise BusError("the simulated robot did not start")
-            yield json.loads(line)["buses"]
+            told = json.loads(line)
+            yield OwnDevice(told["buses"], told.get("view"))
         finally:
             device.terminate()
             with contextlib.suppress(subprocess.TimeoutExpired):

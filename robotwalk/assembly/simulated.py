@@ -1,5 +1,6 @@
 """A robot in a simulated world, in lock-step or as a device; and what shows it. MuJoCo is loaded only for that."""
 
+import contextlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -133,13 +134,13 @@ def _simulated_foot_switches(blueprint: Blueprint) -> "tuple[str, SimulatedFootS
 
 def serve(
     robot: str, *, pty: Path | None, tcp: str | None, adapter: AdapterName, seed: int, faults: Script,
-    truth: Path | None, seconds: float | None, ready: Callable[[dict[str, str]], None], check: Callable[[], None],
-    warn: Callable[[str], None], terrain: str = FLAT,
+    truth: Path | None, seconds: float | None, ready: Callable[[dict[str, str], str | None], None],
+    check: Callable[[], None], warn: Callable[[str], None], terrain: str = FLAT, view: bool = False,
 ) -> None:
     """Serve a simulated robot in real time, as terminals in the folder `pty` or else at the address `tcp`.
 
-    `ready` is told the URL of each bus and sensor. It ends after some `seconds`, or when `check` raises; `warn` is
-    told if this computer is too slow.
+    `ready` is told the URL of each bus and sensor, and of the page that shows the robot if `view` asks for one. It
+    ends after some `seconds`, or when `check` raises; `warn` is told if this computer is too slow.
 
     Raises:
         UsageError: no such robot or terrain, or a place or a file that cannot be used.
@@ -156,7 +157,15 @@ def serve(
         open_ptys(pty, lines, unasked=tuple(blueprint.hardware.sensors)) if pty is not None
         else open_sockets(parse_address(tcp or ""), lines))
     world = simulated_robot(blueprint, RATE_HZ, seed, adapter, faults, ground)
-    serve(world, blueprint.model, doors, truth=truth, seconds=seconds, ready=ready, check=check, warn=warn)
+    with contextlib.ExitStack() as stack:
+        page = None
+        if view:
+            from sim_backend.window import Window
+
+            page = stack.enter_context(contextlib.closing(Window(world))).url
+        serve(
+            world, blueprint.model, doors, truth=truth, seconds=seconds, ready=lambda urls: ready(urls, page),
+            check=check, warn=warn)
 
 
 def befall(simulation: Simulation, faults: Script, seed: str) -> None:

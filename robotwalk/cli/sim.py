@@ -4,6 +4,9 @@ import json
 import math
 import sys
 from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
 
 from robotwalk import assembly
 from robotwalk.cli.output import complain, say
@@ -23,6 +26,7 @@ def sim(
     terrain: str = assembly.FLAT,
     seed: int = 0,
     faults: Path | None = None,
+    view: Annotated[bool, Parameter(negative="")] = False,
 ) -> None:
     """Serve the simulated robot as a device in real time: seated, torque off, one serial port per bus.
 
@@ -49,6 +53,8 @@ def sim(
         Of the simulation.
     faults
         What goes wrong, and when: a YAML file (see `robotwalk list faults`). It serves from 0.1 simulated seconds on.
+    view
+        Show it in the browser, on this machine only (needs the extra `robotwalk[view]`).
     """
     if (pty is None) == (tcp is None):
         raise UsageError("say where to serve: either --pty DIR or --tcp HOST:PORT")
@@ -61,11 +67,11 @@ def sim(
     try:
         assembly.serve(
             robot, pty=pty, tcp=tcp, adapter=adapter, seed=seed, faults=faults or (), truth=truth, seconds=duration,
-            ready=_announce, check=interrupts.check, warn=complain, terrain=terrain)
+            ready=_announce, check=interrupts.check, warn=complain, terrain=terrain, view=view)
     finally:
         interrupts.restore()
 
 
-def _announce(buses: dict[str, str]) -> None:
-    say(json.dumps({"ready": True, "buses": buses}))
+def _announce(buses: dict[str, str], page: str | None) -> None:
+    say(json.dumps({"ready": True, "buses": buses, **({"view": page} if page else {})}))
     sys.stdout.flush()

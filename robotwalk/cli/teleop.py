@@ -52,6 +52,7 @@ def teleop(
     faults: Path | None = None,
     seed: int | None = None,
     truth: Path | None = None,
+    view: Annotated[bool, Flag] = False,
     log: Path | None = None,
     json: Annotated[bool, Flag] = False,
 ) -> int:
@@ -90,6 +91,8 @@ def teleop(
         Of the simulation.
     truth
         Write what really happens in the simulation to this file, as JSON lines at 50 Hz.
+    view
+        Show the simulation in the browser, on this machine only (needs the extra `robotwalk[view]`).
     log
         Record every tick to this MCAP file, for PlotJuggler or Foxglove.
     json
@@ -97,7 +100,7 @@ def teleop(
     """
     ports = by_bus(port or [])
     on_bus = bool(ports) or real
-    simulated = {"terrain": terrain, "faults": faults, "seed": seed, "truth": truth}
+    simulated = {"terrain": terrain, "faults": faults, "seed": seed, "truth": truth, "view": view or None}
     for option, value in simulated.items():
         if on_bus and value is not None:
             raise UsageError(f"--{option} is for a simulation; there is none behind a port")
@@ -119,14 +122,16 @@ def teleop(
         for name in inputs:
             devices.append(_open(name, blueprint, tiller, keys, listen or _LISTEN, origin or []))
             stack.callback(devices[-1].close)
+        page: str | None = None
         what = "ports are opened" if on_bus else "a simulated robot starts"
         show(time.monotonic(), Told(note=f"wait: {what}"), None)
         if not on_bus:
-            ports = stack.enter_context(assembly.own_device(robot, simulated))
+            device = stack.enter_context(assembly.own_device(robot, simulated))
+            ports, page = device.ports, device.page
         session = assembly.connect(
             blueprint, ports, real=real, rate_hz=rate, log=log, torque=HANGING if hang else 1.0)
-        _say_ready(devices, json)
-        drive = Drive(session.robot, Bridge(devices, check), show)
+        _say_ready(devices, page, json)
+        drive = Drive(session.robot, Bridge(devices, check), show, f"see it at {page}" if page else "")
         code, sentence = run_to_end(session.robot, drive.run)
     if sentence is not None:
         complain(sentence)
@@ -184,14 +189,14 @@ def _screen(
     return stack.enter_context(Screen(robot, tiller, devices)).show
 
 
-def _say_ready(devices: Sequence[Device], json: bool) -> None:
+def _say_ready(devices: Sequence[Device], page: str | None, json: bool) -> None:
     """Say where drivers are heard, to whoever cannot see it on the screen."""
     inputs = [device.status for device in devices]
     if json:
-        write_json({"ready": True, "inputs": inputs})
+        write_json({"ready": True, "inputs": inputs, **({"view": page} if page else {})})
         sys.stdout.flush()
     elif not sys.stderr.isatty():
-        complain(f"driven by {', '.join(inputs)}")
+        complain(f"driven by {', '.join(inputs)}{f'; see it at {page}' if page else ''}")
 
 
 def _tell(robot: Robot, drive: Drive, json: bool) -> int:

@@ -22,11 +22,17 @@ _UP = (State.STAND, State.WALK)
 class Drive:
     """One session. While it walks it is a behaviour, whose commands come from the helm."""
 
-    def __init__(self, robot: Robot, bridge: Bridge, show: Callable[[float, Told, str | None], None]) -> None:
-        """Prepare to drive; `show` is told what is known at a time (s), and what was refused."""
+    def __init__(
+        self, robot: Robot, bridge: Bridge, show: Callable[[float, Told, str | None], None], note: str = "",
+    ) -> None:
+        """Prepare to drive; `show` is told what is known at a time (s), and what was refused.
+
+        `note` is told while there is nothing else to tell.
+        """
         self._robot = robot
         self._bridge = bridge
         self._show = show
+        self._note = note
         self._wishes: list[Wish] = []
         self._command = Command()
         self._looked_at = self._told_at = -math.inf
@@ -107,7 +113,7 @@ class Drive:
         """Gather what is known."""
         robot, loop = self._robot, self._robot.loop
         state = robot.state
-        note = robot.events[-1].text if robot.events and robot.events[-1].kind != "state" else ""
+        note = robot.events[-1].text if robot.events and robot.events[-1].kind != "state" else self._note
         return Told(
             state.state.value, None, note, state.odometry, state.twist, robot.conditions(),
             robot.bus_statistics(), loop.rate_hz, self._ticks, loop.missed, loop.wake.percentiles(),

@@ -76,7 +76,7 @@ def test_errors_go_back_and_who_goes_leaves() -> None:
 
 
 def test_who_does_not_read_holds_nobody_up() -> None:
-    with door() as at, connect(at.url, max_queue=1) as sleeper, connect(at.url) as reader:
+    with door() as at, connect(at.url, max_queue=1, close_timeout=0.1) as sleeper, connect(at.url) as reader:
         assert kinds(reader, 1) == ["hello"]
         for _ in range(20):  # 8 MB, more than a socket takes
             list(at.poll(time.monotonic(), MUCH))
