@@ -13,7 +13,8 @@ class Wish(Enum):
 
     STAND = "stand"
     SIT = "sit"
-    STOP = "stop"  # as to sit; and anyone may ask for it
+    STOP = "stop"  # hold in place, and stay so; anyone may ask for it
+    CLEAR = "clear"  # end that: it sits down
     LEAVE = "leave"  # give the helm back
     QUIT = "quit"  # sit down and end
 

@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Callable
 
+from robotwalk.errors import SafetyStop
 from robotwalk.estimator import Estimate
 from robotwalk.loop import Tick
 from robotwalk.robot import LONGEST_WALK, Robot
@@ -16,7 +17,7 @@ from robotwalk.types import Command
 _PERIOD = 0.02  # s between two looks at the devices
 _TOLD_EVERY = 0.1  # s
 _IDLE = 120.0  # s that it stands with nobody driving before it sits, to spare its servos
-_UP = (State.STAND, State.WALK)
+_UP = (State.STAND, State.WALK, State.MEND)
 
 
 class Drive:
@@ -60,12 +61,27 @@ class Drive:
         self._show(time.monotonic(), Told(note="it is found, armed and stands up"), None)
         robot.observers.append(self._watch)
         with robot:
-            robot.stand()
+            self._do(robot.stand)
             while (wish := self._next()) is not Wish.QUIT:
-                if wish in (Wish.SIT, Wish.STOP):
-                    robot.sit()
+                if wish is Wish.SIT:
+                    self._do(robot.sit)
                 elif wish is Wish.STAND:
-                    robot.stand()
+                    self._do(robot.stand)
+            self._do(robot.sit)
+
+    def _do(self, motion: Callable[[], object]) -> None:
+        """Have the robot do something. If a STOP holds it meanwhile it sits once that is cleared.
+
+        Raises:
+            SafetyStop: the robot had to come down.
+        """
+        try:
+            motion()
+        except SafetyStop:
+            if self._robot.loop.state is not State.HELD:
+                raise
+            self._wishes.clear()
+            self._do(self._robot.sit)
 
     def step(self, estimate: Estimate, dt: float) -> Command:
         """Return the command of this tick."""
@@ -74,8 +90,8 @@ class Drive:
     def _next(self) -> Wish:
         """Walk, or wait where it sits, until something else is wanted."""
         while not self._wishes:
-            if self._robot.state.state in _UP:
-                self._robot.follow(self, seconds=LONGEST_WALK)
+            if self._robot.loop.state in _UP:
+                self._do(lambda: self._robot.follow(self, seconds=LONGEST_WALK))
             else:
                 time.sleep(_PERIOD)
                 self._robot.check_interrupts()
@@ -97,10 +113,21 @@ class Drive:
             self.told = self._tell()
         turn = self._bridge.turn(now, self.told)
         self._command = turn.command
-        self._wishes += turn.wishes
+        for wish in turn.wishes:
+            self._heed(wish)
         self.told = self.told._replace(driver=turn.driver)
         self._show(now, self.told, turn.refusal)
         self._sit_if_idle(now)
+
+    def _heed(self, wish: Wish) -> None:
+        """Do at once what cannot wait; keep the rest for when the robot is done with what it is at."""
+        held = self._robot.loop.state is State.HELD
+        if wish is Wish.STOP:
+            self._robot.loop.hold()
+        elif wish is Wish.CLEAR or (held and wish is Wish.STAND):
+            self._robot.loop.clear()
+        elif not held:
+            self._wishes.append(wish)
 
     def _sit_if_idle(self, now: float) -> None:
         if self.told.driver is not None or self.told.state not in ("stand", "walk"):

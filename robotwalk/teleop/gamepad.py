@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _DEAD_ZONE = 0.1  # of the way, within which a stick counts as centred
 _FULL = 32767
-_WISHES = {"start": Wish.STAND, "back": Wish.SIT, "b": Wish.STOP}
+_WISHES = {"start": Wish.STAND, "back": Wish.SIT, "b": Wish.STOP, "a": Wish.CLEAR}
 _SETTINGS: Mapping[str, Act | Lean] = {
     "x": Act.LAST_GAIT, "y": Act.NEXT_GAIT, "leftstick": Act.HEADING, "rightstick": Act.LEVEL,
     "dpup": Lean(height=1), "dpdown": Lean(height=-1),
@@ -23,7 +23,7 @@ _SETTINGS: Mapping[str, Act | Lean] = {
 
 _HELP = (
     "hold a shoulder button to drive   left stick go, right turn   B STOP",
-    "Start stand   Back sit   X/Y gait   D-pad height",
+    "Start stand   Back sit   A clear   X/Y gait   D-pad height",
 )
 
 

@@ -11,9 +11,15 @@ _FOR_ALL = (Wish.STOP, Wish.QUIT)
 
 
 class Helm:
-    """Whoever asks for something while nobody drives has the helm, until it leaves or falls silent."""
+    """Whoever asks for something while nobody drives has the helm, until it leaves or falls silent.
+
+    Who drove when somebody said `stop` has to fall silent, too, before it may drive on: what is let go again later must
+    not walk off by itself.
+    """
 
     def __init__(self) -> None:
+        self._barred: str | None = None
+        self._barred_at = -math.inf  # when it was heard last
         self._driver: str | None = None
         self._heard_at = -math.inf
         self._command = Command()
@@ -25,8 +31,12 @@ class Helm:
     def hear(self, ask: Ask, now: float) -> str | None:
         """Take what somebody asks for at `now` (s). Return why not, if another drives."""
         if ask.wish in _FOR_ALL:
+            self._barred, self._barred_at = self.driver(now), now
             self.let_go()
             return None
+        if ask.driver == self._barred and ask.wish is None and now - self._barred_at <= SILENCE:
+            self._barred_at = now
+            return f"stopped while it drove: it should ask for nothing for {SILENCE} s"
         driver = self.driver(now)
         if driver not in (None, ask.driver):
             return None if ask.wish is Wish.LEAVE else f"{driver} drives"

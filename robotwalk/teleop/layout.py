@@ -100,7 +100,7 @@ _HELP: Mapping[LayoutName, tuple[str, ...]] = {
 }
 _HELP_FOR_ALL = (
     "g/G gait   h heading or turn   r/f height   arrows, v/n body   0 level",
-    "Enter stand   Backspace sit   Esc STOP   ^D sit and end (^C too)",
+    "Enter stand   Backspace sit   Esc STOP, Enter clears   ^D sit and end",
 )
 
 

@@ -15,7 +15,7 @@ from robotwalk.types import Command, Pose, ServoCondition, Twist
 
 SCHEMA = 1
 
-_Words = Literal["beat", "stand", "sit", "stop", "leave"]
+_Words = Literal["beat", "stand", "sit", "stop", "clear", "leave"]
 
 
 class Posture(Section):

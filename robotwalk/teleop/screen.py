@@ -20,7 +20,7 @@ from robotwalk.types import Measured, ServoCondition
 
 _PERIOD = 0.2  # s between two pictures; over SSH each is 2 kB
 _BAR = 24  # columns
-_COLOURS = {"stand": "green", "walk": "green", "fault": "red", "frozen": "red"}
+_COLOURS = {"stand": "green", "walk": "green", "fault": "red", "held": "red", "stop": "white"}
 
 
 class Screen:

@@ -1,5 +1,6 @@
 """The page of `walk --view`, in a real browser."""
 
+import json
 import shutil
 import subprocess
 import sys
@@ -41,6 +42,22 @@ def test_a_browser_sees_the_robot_walk_and_stdout_is_left_to_the_data(tmp_path: 
         orange = sum(count for count, (r, g, b) in page.convert("RGB").getcolors(1 << 24)
                      if r > 180 and 90 < g < 190 and b < 120)
     assert orange > 30, "the body is orange"
+
+
+def test_a_served_robot_has_a_page_too(tmp_path: Path) -> None:
+    sim = subprocess.Popen(
+        [sys.executable, "-c", "from robotwalk.cli.main import main; main()", "sim", "hexapod", "--pty",
+         str(tmp_path / "dev"), "--view"], stdout=subprocess.PIPE, text=True)
+    try:
+        assert sim.stdout is not None
+        page = json.loads(sim.stdout.readline())["view"]
+        with urllib.request.urlopen(page, timeout=20.0) as answer:
+            assert answer.status == 200
+    finally:
+        sim.terminate()
+        assert sim.wait(20) == 143
+    with pytest.raises(OSError, match="refused"):
+        urllib.request.urlopen(page, timeout=20.0)
 
 
 def wait_for_page(walk: subprocess.Popen[str]) -> None:

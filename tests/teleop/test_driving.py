@@ -51,7 +51,7 @@ def test_a_person_in_tmux(tmp_path: Path, truth: Truth) -> None:
         "bash --rcfile rc -i")
     try:
         words = " ".join(f"'{word}'" for word in COMMAND)
-        tmux("send-keys", f"{words} teleop hexapod --truth truth.jsonl; echo code $?", "Enter")
+        tmux("send-keys", f"{words} teleop hexapod --rate 50 --truth truth.jsonl; echo code $?", "Enter")
         truth.await_standing()
         await_that(lambda: "hottest" in screen(), "the screen tells how warm the servos are")
         picture = screen()
@@ -84,7 +84,8 @@ def test_a_person_in_tmux(tmp_path: Path, truth: Truth) -> None:
 
 def test_kitty_and_programs_and_a_hang_up(truth: Truth) -> None:
     kitty = Kitty()
-    words = ["--input", "keyboard", "--listen", "127.0.0.1:0", "--keys", "wasd", "--truth", str(truth.path)]
+    words = [
+        "--input", "keyboard", "--listen", "127.0.0.1:0", "--keys", "wasd", "--rate", "50", "--truth", str(truth.path)]
     teleop = subprocess.Popen(
         [*COMMAND, "teleop", "hexapod", *words], stdin=kitty.slave, stdout=subprocess.DEVNULL, stderr=kitty.slave,
         preexec_fn=lambda: os.login_tty(kitty.slave))
@@ -116,6 +117,17 @@ def test_kitty_and_programs_and_a_hang_up(truth: Truth) -> None:
                 assert (told["state"], told["driver"]) == ("walk", "socket 1")
                 program.send_signal(signal.SIGKILL)
                 truth.assert_stops(time.monotonic())
+                kitty.key(ord("w"))
+                truth.await_going()
+                watcher.send('{"type": "stop"}')
+                truth.assert_stops(time.monotonic())
+                assert truth.place()[2] > 0.09, "it is held in place"
+                kitty.key(ord("w"), 3)
+                kitty.key(27)  # another stop changes nothing
+                kitty.key(13)
+                await_that(lambda: truth.place()[2] < 0.04, "once that is cleared it sits")
+                kitty.key(13)
+                truth.await_standing()
                 watcher.send('{"type": "drive", "vy": 0.5, "gait": "gallop"}')
                 assert "hexapod has no gait 'gallop'" in next_of(watcher, "error")["error"]
         kitty.hang_up()
@@ -139,7 +151,7 @@ def next_of(connection: ClientConnection, kind: str) -> dict[str, Any]:
 
 
 def test_a_gamepad_drives_while_its_deadman_button_is_held(truth: Truth) -> None:
-    words = ["teleop", "hexapod", "--input", "gamepad", "--truth", str(truth.path), "--json"]
+    words = ["teleop", "hexapod", "--input", "gamepad", "--rate", "50", "--truth", str(truth.path), "--json"]
     with subprocess.Popen(
         [sys.executable, "-m", "tests.teleop.virtual_pad", *words], cwd=Path(__file__).parents[2], text=True,
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,

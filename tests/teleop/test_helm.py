@@ -38,6 +38,11 @@ def test_anybody_may_stop_and_nobody_drives_then() -> None:
     assert helm.hear(Ask("a watcher", wish=Wish.STOP), 0.1) is None
     assert helm.driver(0.1) is None
     assert helm.command(0.1).twist == STILL
+    for now in (0.2, 0.6, 1.0):
+        assert "stopped while it drove" in (helm.hear(Ask("pad", AHEAD), now) or "")
+    assert helm.hear(Ask("a watcher", wish=Wish.CLEAR), 1.1) is None
+    assert helm.hear(Ask("a watcher", wish=Wish.LEAVE), 1.2) is None
+    assert helm.hear(Ask("pad", AHEAD), 1.6) is None, "it had let go"
 
 
 def test_a_message_becomes_a_command() -> None:
@@ -52,7 +57,7 @@ def test_a_message_becomes_a_command() -> None:
     ('{"type": "drive", "vxx": 1}', "unknown key 'vxx': did you mean 'vx'?"),
     ('{"type": "drive", "vx": "fast"}', "vx: expected a number (got 'fast')"),
     ('{"type": "drive", "vx": NaN}', "vx: expected a finite number"),
-    ('{"type": "quit"}', "type: expected one of drive, beat, stand, sit, stop, leave (got \"quit\")"),
+    ('{"type": "quit"}', "type: expected one of drive, beat, stand, sit, stop, clear, leave (got \"quit\")"),
     ('{"vx": 1}', "expected one of drive, beat"), ('{"type": "sit", "vx": 1}', "unknown key 'vx'"),
     ("[1]", "(got null)"), ("{", "not valid JSON"), ("[" * 4000, "not valid JSON"),
     ('{"type": "drive", "posture": {"yow": 1}}', "posture: unknown key 'yow': did you mean 'yaw'?"),
