@@ -126,6 +126,14 @@ class Cycle(Protocol):
         """Let the robot stand as it does: the driver has nothing to say for a while."""
         ...
 
+    def hold(self) -> None:
+        """Have every joint stay where it is, whatever the driver wants, until `clear`."""
+        ...
+
+    def clear(self) -> None:
+        """Let a held robot go: it sits down, and may then stand up."""
+        ...
+
     def disarm(self) -> list[str]:
         """Switch torque off; return the joints at which that could not be confirmed. Never raises."""
         ...

@@ -347,7 +347,9 @@ class Robot:
         try:
             self.sit()
         except RobotwalkError:
-            raise
+            if self.loop.state is not State.HELD:
+                raise
+            self._sit_unwatched_if_need_be()  # once it is cleared
         except Exception as error:
             self.observers.clear()
             self.note("error", f"on the way down: {error!r}")

@@ -15,7 +15,7 @@ from robotwalk.loop import Tick
 from robotwalk.process.guardian import Guardian
 from robotwalk.process.mailbox import packed, unpacked
 from robotwalk.process.messages import Answer, Call, Orders, Report, Status
-from robotwalk.process.shared import Mailbox
+from robotwalk.process.shared import Mailbox, Stop
 from robotwalk.supervisor import Request, State
 from robotwalk.timing import Histogram
 from robotwalk.types import BusStatistics, Command, JointState, SensorStatistics, ServoCondition
@@ -137,6 +137,14 @@ class RemoteLoop:
     def pause(self) -> None:
         """Let the robot stand as it does: the driver has nothing to say for a while."""
         self._order(self._orders._replace(away=True))
+
+    def hold(self) -> None:
+        """Have every joint stay where it is, whatever the driver wants, until `clear`."""
+        self._mailbox.post_stop(Stop.HOLD)
+
+    def clear(self) -> None:
+        """Let a held robot go: it sits down, and may then stand up."""
+        self._mailbox.post_stop(Stop.CLEAR)
 
     def disarm(self) -> list[str]:
         """Switch torque off; return the joints at which that could not be confirmed. Never raises."""

@@ -4,6 +4,8 @@ from pathlib import Path
 
 from robotwalk import assembly
 from robotwalk.assembly.replay import replay
+from robotwalk.loop import Tick
+from robotwalk.supervisor import State
 
 from .rig import walk
 
@@ -50,3 +52,26 @@ def test_a_wire_broken_for_a_moment_trips_the_watchdogs_and_the_walk_goes_on() -
     assert 0.25 < report["distance_m"] < 0.42, "it stood for half a second or less"
     assert not report["fell"]
     assert [event["kind"] for event in report["events"] if event["kind"] not in ("state", "audit", "limits")] == []
+
+
+def test_a_stop_while_it_sits_down_at_the_end_holds_it_until_it_is_cleared() -> None:
+    simulation = assembly.simulate("hexapod")
+    robot = simulation.robot
+    heights: list[float] = []
+
+    def stop_halfway(tick: Tick) -> None:
+        height = simulation.world.truth().base.z
+        if tick.state is State.SIT and height < 0.07 and not heights:
+            robot.loop.hold()
+        if tick.state is State.HELD:
+            heights.append(height)
+            if len(heights) == 100:
+                robot.loop.clear()
+
+    robot.observers.append(stop_halfway)
+    with robot:
+        robot.stand()
+    assert len(heights) == 100
+    assert max(heights[10:]) - min(heights[10:]) < 0.002, "it is held in place, a second long"
+    assert simulation.world.truth().base.z < 0.04
+    assert robot.torque_doubt is None
