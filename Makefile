@@ -2,12 +2,13 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: help walk test fuzz check clean
+.PHONY: help walk test fuzz soak check clean
 
 help:
 	@echo "make walk    install, walk the hexapod in simulation, leave walk.gif"
 	@echo "make test    install and run all tests"
 	@echo "make fuzz    two million garbled inputs to all that takes bytes from a wire; under half an hour"
+	@echo "make soak    200 random command sequences a robot, on two processes; about half an hour"
 	@echo "make check   lint and type check"
 	@echo "make clean   remove .venv and what the tools leave behind"
 
@@ -19,6 +20,9 @@ test: .venv/dev
 
 fuzz: .venv/dev
 	$(BIN)/python -m tests.fuzz 100000
+
+soak: .venv/dev
+	$(BIN)/python -m tests.walk.soak --jobs 2
 
 check: .venv/dev
 	$(BIN)/ruff check .

@@ -112,9 +112,11 @@ class Body:
         self._level = True
         self._posture = [Ramp(0.0, self._SHIFT) for _ in range(3)] + [Ramp(0.0, self._LEAN) for _ in range(3)]
 
-    def step(self, twist: Twist, height: float, posture: Pose, dt: float) -> Pose:
-        """Advance by `dt` s; return the body's pose in odom."""
+    def step(self, twist: Twist, height: float, posture: Pose, dt: float, *, still: bool = False) -> Pose:
+        """Advance by `dt` s; return the body's pose in odom. Keep the height and the posture as they are if `still`."""
         course = advanced(self.course, twist, dt)
+        if still:
+            height, posture = self.height.value, Pose(*(ramp.value for ramp in self._posture))
         self.course = course._replace(z=self.height.step(height, dt))
         if posture is LEVEL and self._level:
             self.pose = self.course
@@ -123,6 +125,11 @@ class Body:
             self._level = posture == LEVEL and all(ramp.settled(0.0, 1e-6) for ramp in self._posture)
             self.pose = composed(self.course, leaning)
         return self.pose
+
+    def shifted_from(self, posture: Pose) -> float:
+        """Return how far the body is from the place that a posture has for it, m."""
+        x, y, *_ = self._posture
+        return math.hypot(x.value - posture.x, y.value - posture.y)
 
     def settled(self, height: float, posture: Pose) -> bool:
         """Tell whether the body has come to this height and posture."""

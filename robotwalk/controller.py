@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from robotwalk.barriers import Barrier, Barriers
 from robotwalk.body import Body, in_odom, placed, seen_from, up_axis
+from robotwalk.carriage import MOST_ROOM, Bearable, Carriage
 from robotwalk.contact import Felt, Sense, sag
 from robotwalk.estimator import Estimate, tilted
 from robotwalk.gait import Gait, GaitClock
@@ -14,6 +15,7 @@ from robotwalk.levelling import Levelling
 from robotwalk.model import RobotModel
 from robotwalk.orientation import Orientation
 from robotwalk.pace import Pace
+from robotwalk.reach import Ranges
 from robotwalk.reaction import Reaction
 from robotwalk.rocking import Rocking
 from robotwalk.statics import Bearing, LegStatics
@@ -25,6 +27,7 @@ from robotwalk.types import LEVEL, STILL, Command, Pose, Twist, Vec3
 from robotwalk.unfold import Unfold
 from robotwalk.velocity import Propulsion, Shaped, VelocityShaper, feasible
 
+_BESIDE = 5e-3  # m
 _HEADING_GAIN = 2.0  # rad/s per rad off the heading
 _ROUNDING = 1e-9
 
@@ -58,9 +61,11 @@ class Controller:
         self._default_gait = default_gait
         self._no_torques = (0.0,) * len(model.joints)
         self._solvers = tuple(solver_for(leg) for leg in model.legs)
+        self._ranges = tuple(Ranges([(joint.lower, joint.upper) for joint in leg.joints]) for leg in model.legs)
         self._clock = GaitClock(gaits[default_gait])
         self._unfold: Unfold | None = None
         self._idle = True
+        self._cramped = False  # a standing leg is near the end of a joint's range
         self._waiting = False  # lift-offs, and the needle, for the body's shift
         self._sit_anew()
 
@@ -76,6 +81,7 @@ class Controller:
         self._shaper = VelocityShaper(model.motion)
         self._propulsion = Propulsion(len(model.legs))
         self._body = Body(model.heights.sit)
+        self._bearable = Bearable(model)
         self._bearing = Bearing(model)
         self._foot_course = self._body.course  # the body's, brought down its own axis to the ground
         self._stepping = Stepping(model, self._foot_course)
@@ -102,15 +108,17 @@ class Controller:
             angles = unfold.step(0.0 if state in (State.READY, State.HELD) else dt)
             return NOTHING_WANTED._replace(
                 angles=angles, planted=self._stepping.footfalls().planted, torques=self._no_torques)
-        shaped, bearable = self._shape(state, command, estimate, dt)
+        gait = self._gaits[command.gait or self._default_gait]
+        carriage = self._carriage(state, command, gait)
+        height, posture = carriage.height, carriage.posture
+        shaped, bearable = self._shape(state, command, estimate, gait, carriage.part, dt)
         # While a body shifts, its joints give to changing loads, and odometry sees turns that are none.
         held = command.heading is not None or self._clock.gait.balance is not None
         twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=held)
-        height, posture = self._carriage(state, command)
-        over_ground = self._over_ground(self._body.step(twist, height, posture, dt), dt)
+        over_ground = self._over_ground(self._body.step(twist, height, posture, dt, still=self._cramped), dt)
         pose = self._level(over_ground, state, estimate, dt)
-        self._turn_needle(twist, bearable, command.period, dt)
-        self._waiting = self._balance(pose, twist)
+        self._turn_needle(twist, bearable, command.period, carriage.part, dt)
+        self._waiting = self._balance(pose, twist) or self._shifts(posture)
         rocked = self._rocking.step(self._sway.step(pose, dt), self._clock, not self._idle, dt)
         self._pose = self._reaction.step(
             rocked, self._clock, self._footfalls, self._body.course, not self._idle, dt)
@@ -126,7 +134,9 @@ class Controller:
             standing=settled and state in (State.STAND, State.WALK), seated=settled and lowered,
             barriers=self._barriers.near, barred=self._barred)
 
-    def _shape(self, state: State, command: Command, estimate: Estimate, dt: float) -> tuple[Shaped, float]:
+    def _shape(
+        self, state: State, command: Command, estimate: Estimate, gait: Gait, part: float, dt: float
+    ) -> tuple[Shaped, float]:
         """Return the twist to walk with, and the share of the feasible one that the standing feet can bear."""
         asked = command.twist if state is State.WALK else STILL
         self._barred = self._barriers.step(self._body.course, asked, self._footfalls.giving_up)
@@ -135,31 +145,43 @@ class Controller:
             turn = _HEADING_GAIN * (command.heading - estimate.pose.yaw)
             limit = self._model.motion.turn
             twist = twist._replace(wz=min(max(turn, -limit), limit))
-        gait, now, course = self._gaits[command.gait or self._default_gait], self._shaper.twist, self._foot_course
-        aim = self._shaper.feasible(twist, gait)
+        now, course = self._shaper.twist, self._foot_course
+        aim = self._shaper.feasible(twist, gait, part)
         self._fastest_foot = max(gait.foot_speeds(aim))
         share = bearable = self._stepping.bearable(self._clock, course, aim)
         faster = self._pace.step(aim, now, share, dt) if self._felt else 1.0
         # A slower gait takes over once the body is slow enough for it.
-        if gait is not self._clock.gait and gait.largest_scale(now) >= 1.0 - _ROUNDING:
+        if gait is not self._clock.gait and gait.largest_scale(now, part) >= 1.0 - _ROUNDING:
             ready = self._stepping.change_gait(self._clock, gait, course, now)
             if ready < 1.0 and aim != STILL:  # slow down until it is
                 share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
-        if self._footfalls.searching:
+        if self._footfalls.searching or self._cramped:
             share = 0.0
         pushes = self._propulsion.step(self._clock, self._footfalls.planted, self._idle)
         if share >= 1.0 and faster > 1.0:
-            most, _ = feasible(Twist(*(faster * v for v in aim)), self._model.motion, gait)
+            most, _ = feasible(Twist(*(faster * v for v in aim)), self._model.motion, gait, part)
             share = math.hypot(*most) / math.hypot(*aim)
-        return self._shaper.step(twist, gait, dt, share, pushes=pushes), bearable
+        return self._shaper.step(twist, gait, dt, share, pushes=pushes, part=part, brake=self._cramped), bearable
 
-    def _carriage(self, state: State, command: Command) -> tuple[float, Pose]:
+    def _carriage(self, state: State, command: Command, gait: Gait) -> Carriage:
         """Return the height and the posture to go for; down only once the feet are at rest."""
         heights = self._model.heights
         if state not in (State.STAND, State.WALK) and self._idle:
-            return heights.sit, LEVEL
+            return Carriage(heights.sit, LEVEL, MOST_ROOM)
         height = heights.stand if command.height is None else command.height
-        return min(max(height, heights.lowest), heights.highest), command.posture
+        height = min(max(height, heights.lowest), heights.highest)
+        walks = not self._idle or (state is State.WALK and command.twist != STILL)
+        granted = self._bearable.step(height, command.posture, gait if walks else None)
+        # On the way to it the body is carried as before, in part.
+        if self._body.settled(height, granted.posture):
+            self._stepping.room = granted.room
+        else:
+            self._stepping.room = min(self._stepping.room, granted.room)
+        return granted._replace(room=self._stepping.room)
+
+    def _shifts(self, posture: Pose) -> bool:
+        """Tell whether the body must not yet tip, for it is still beside its place."""
+        return self._clock.gait.tips and self._body.shifted_from(posture) > _BESIDE
 
     def _level(self, pose: Pose, state: State, estimate: Estimate, dt: float) -> Pose:
         """Keep the body level by the IMU while it is up; seated, it lies as the ground does."""
@@ -168,7 +190,7 @@ class Controller:
         up = state in (State.STAND, State.WALK)
         return self._levelling.step(pose, self._pose, estimate.imu if up else None, dt)
 
-    def _turn_needle(self, twist: Twist, bearable: float, period: float | None, dt: float) -> None:
+    def _turn_needle(self, twist: Twist, bearable: float, period: float | None, part: float, dt: float) -> None:
         """Turn it by a tick, unless lift-offs have to wait; with the body still and all feet at rest, stop it."""
         was_idle = self._idle
         # What barred the way may be where feet rest.
@@ -178,7 +200,7 @@ class Controller:
         if was_idle and not self._idle:
             self._clock.rewind()
         elif not self._idle and not self._waiting and not self._footfalls.late:
-            self._clock.advance(twist, dt, bearable, period)
+            self._clock.advance(twist, dt, bearable, period, part)
 
     def _balance(self, pose: Pose, twist: Twist) -> bool:
         """Aim the body's shift, if the gait asks for it; tell whether lift-offs have to wait for that."""
@@ -254,11 +276,18 @@ class Controller:
 
     def _angles(self, footfalls: Footfalls) -> tuple[list[float], float]:
         angles: list[float] = []
-        miss = 0.0
-        for solver, foot in zip(self._solvers, seen_from(self._pose, footfalls.centres), strict=True):
+        miss, self._cramped = 0.0, False
+        feet = seen_from(self._pose, footfalls.centres)
+        legs = zip(self._solvers, self._ranges, feet, footfalls.planted, strict=True)
+        for solver, ranges, foot, stands in legs:
             solution = solver.solve(*foot)
-            angles.extend(solution.angles)
-            miss = max(miss, solution.miss)
+            kept = ranges.keep(solution.angles)
+            angles.extend(kept)
+            if kept is solution.angles:
+                miss = max(miss, solution.miss)
+            else:
+                miss = max(miss, math.dist(solver.foot(kept), foot))
+                self._cramped = self._cramped or stands
         return angles, miss
 
 

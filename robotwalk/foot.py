@@ -11,7 +11,9 @@ from robotwalk.types import Pose, Vec3
 
 _AT_REST = 1.5e-3  # m; a foot this near its rest position need not step
 _NEAR_REST = 10e-3  # m, where feet stand as they find the ground
+_DRAWN = 0.6  # m/s, the fastest that it is drawn to where it was felt to be; its servos would not follow a jump
 _SETTLING = 0.05  # s in which a foot that was told to be elsewhere comes to rest where it stands
+_NOT_OFF = Vec3(0.0, 0.0, 0.0)
 
 
 class Foot:
@@ -32,6 +34,7 @@ class Foot:
         touched_for: for how long it has felt something while it searches, s.
         found: whether it stands where it found ground, not where it was sent.
         lost_for: for how long it has stood without the load that it should bear, s.
+        off: what is left of the way to where a swing or a search has begun anew, m.
     """
 
     def __init__(self, leg: Leg) -> None:
@@ -50,6 +53,7 @@ class Foot:
         self.overdue = False
         self.lost_for = self.touched_for = 0.0
         self.found = False
+        self.off = _NOT_OFF
 
     def plant(self, place: Vec3) -> None:
         """Stand at `place`."""
@@ -71,9 +75,10 @@ class Foot:
     def settle(self, dt: float) -> None:
         """Come to rest where it stands."""
         if self.place is not self.target:
-            share = min(dt / _SETTLING, 1.0)
             (x, y, z), (tx, ty, tz) = self.place, self.target
-            if math.dist(self.place, self.target) < 1e-5:
+            way = math.dist(self.place, self.target)
+            share = min(dt / _SETTLING, _DRAWN * dt / way, 1.0) if way > 0.0 else 1.0
+            if way < 1e-5:
                 self.place = self.target
             else:
                 self.place = Vec3(x + share * (tx - x), y + share * (ty - y), z + share * (tz - z))
@@ -103,12 +108,28 @@ class Foot:
         self.rise(self.place, lift)
 
     def rise(self, start: Vec3, lift: float) -> None:
-        """Begin the swing, or begin it anew from somewhere on its way."""
-        self.place = start
+        """Begin the swing, or begin it anew from somewhere near its way."""
+        self.draw_to(start)
         self.lift = lift
         self.free = False
         self.struck_for = 0.0
         self.swing = Swing(self.path, lift, start)
+
+    def draw_to(self, start: Vec3) -> None:
+        """Begin anew at `start`, but come there from where it is told to be."""
+        (x, y, z), (sx, sy, sz) = self.place, start
+        self.off = _NOT_OFF if self.place is start else Vec3(x - sx, y - sy, z - sz)
+
+    def move(self, place: Vec3, dt: float) -> None:
+        """Be at `place`, or as near to it as it has been drawn by now."""
+        if self.off is _NOT_OFF:
+            self.place = place
+            return
+        x, y, z = self.off
+        way = math.hypot(x, y, z)
+        left = max(way - _DRAWN * dt, 0.0)
+        self.off = Vec3(x * left / way, y * left / way, z * left / way) if left > 0.0 else _NOT_OFF
+        self.place = Vec3(place.x + self.off.x, place.y + self.off.y, place.z + self.off.z)
 
     def slowest(self, shortest: float) -> float:
         """Return the least time for the swing, s, if an ordinary one takes `shortest`: servos have a speed."""

@@ -75,6 +75,7 @@ class Gait:
         self.name = config.name
         self.feet = tuple(_sectors(config.swing[leg]) for leg in legs)
         self.strides = tuple(config.stride_share * leg.max_stride for leg in model.legs)  # m, the largest
+        self._sideways = config.sideways_mps or math.inf
         self.longest_stance = tuple(max(sector.stance for sector in sectors) for sectors in self.feet)
         shortest_swing = min(sector.length for sectors in self.feet for sector in sectors)
         self.fastest_period = max(_SLACK * model.motion.min_swing / shortest_swing, config.fastest_period_s or 0.0)
@@ -87,6 +88,8 @@ class Gait:
         # None: the legs' own
         self.swing_path = None if config.bias is None else SwingPath(partial(skewed, bias=config.bias))
         self.supports = self._supports()
+        # In between, fewer than three feet stand: the body tips, the longer the farther.
+        self.tips = min(sum(support.standing) for support in self.supports) < 3
         # None: the needle tells when a foot lifts off
         self.free: FreeStepping | None = None
         if isinstance(config, SteppingCircles):
@@ -133,20 +136,26 @@ class Gait:
         """Return how far the needle is from a foot's next lift-off, in turns."""
         return min([(sector.start - phase) % 1.0 for sector in self.feet[foot]])
 
-    def largest_scale(self, twist: Twist) -> float:
-        """Return by how much a twist may be multiplied before a leg's stride is too long, even hurrying."""
-        scale = math.inf
+    def largest_scale(self, twist: Twist, part: float = 1.0) -> float:
+        """Return by how much a twist may be multiplied before a leg's stride is too long, even hurrying.
+
+        The longest is a `part` of what it is else. A gait may have a largest speed to a side, too.
+        """
+        scale = self._sideways / abs(twist.vy) if abs(twist.vy) > _NO_SPEED else math.inf
         for stride, stance, speed in zip(self.strides, self.longest_stance, self.foot_speeds(twist), strict=True):
             if speed > _NO_SPEED:
-                scale = min(scale, stride / (speed * stance * self.fastest_period))
+                scale = min(scale, part * stride / (speed * stance * self.fastest_period))
         return scale
 
-    def period(self, twist: Twist, wanted: float | None = None) -> float:
-        """Return the period for a twist, s: the `wanted` or slowest, unless a stride would be longer than its leg's."""
-        period = self.slowest_period if wanted is None else wanted
+    def period(self, twist: Twist, wanted: float | None = None, part: float = 1.0) -> float:
+        """Return the period for a twist, s: the `wanted` or slowest, unless a stride would be longer than its leg's.
+
+        A gait whose body tips in between cannot be slower than its file has it.
+        """
+        period = self.slowest_period if wanted is None or (self.tips and wanted > self.slowest_period) else wanted
         for stride, stance, speed in zip(self.strides, self.longest_stance, self.foot_speeds(twist), strict=True):
             if speed > _NO_SPEED:
-                period = min(period, stride / (speed * stance))
+                period = min(period, part * stride / (speed * stance))
         return max(period, self.fastest_period)
 
     def foot_speeds(self, twist: Twist) -> list[float]:
@@ -163,12 +172,15 @@ class GaitClock:
         self.phase = gait.starts[0]
         self.period = gait.slowest_period
 
-    def advance(self, twist: Twist, dt: float, bearable: float, period: float | None = None) -> None:
+    def advance(
+        self, twist: Twist, dt: float, bearable: float, period: float | None = None, part: float = 1.0
+    ) -> None:
         """Turn the needle by one tick at the cadence for this twist, faster while the feet cannot bear it.
 
-        `period` is the wanted one, s; it changes the needle's speed, and never its place.
+        `period` is the wanted one, s; it changes the needle's speed, and never its place. Strides are a `part` of what
+        they may be else.
         """
-        wanted = max(self.gait.period(twist, period) * bearable, self.gait.fastest_period)
+        wanted = max(self.gait.period(twist, period, part) * bearable, self.gait.fastest_period)
         slew = _PERIOD_SLEW**dt
         self.period = min(max(wanted, self.period / slew), self.period * slew)
         self.phase = (self.phase + dt / self.period) % 1.0

@@ -9,8 +9,6 @@ A servo is taken at half its stall torque and half its free speed, where a DC mo
 nothing is left to move with. The mass is taken as a point, and the legs' own weight is left out.
 """
 
-import itertools
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -19,7 +17,7 @@ from robotwalk.gait import Gait
 from robotwalk.kinematics import resting_angles
 from robotwalk.model import Leg, RobotModel
 from robotwalk.pseudo_physics import GRAVITY, steady_effort
-from robotwalk.support import centre_of_mass, support_margin
+from robotwalk.support import beyond_edge, centre_of_mass
 from robotwalk.types import Strength, Vec3
 
 _SHARE = 0.5  # of stall torque and free speed
@@ -102,21 +100,8 @@ def falling(feet: Sequence[Vec3], centre: Vec3, share: float, height: float) -> 
     """
     if not feet:
         return GRAVITY
-    outside = share * _outside(feet, centre)
+    outside = share * max(beyond_edge(feet, centre), 0.0)
     return GRAVITY * outside * outside / (outside * outside + height * height)
-
-
-def _outside(feet: Sequence[Vec3], centre: Vec3) -> float:
-    """Return how far a point is from the convex hull of the feet, seen from above, m."""
-    if support_margin(feet, centre) >= 0.0:
-        return 0.0
-    distance = min(math.dist(foot[:2], centre[:2]) for foot in feet)
-    for (ax, ay, _), (bx, by, _) in itertools.combinations(feet, 2):
-        dx, dy = bx - ax, by - ay
-        along = (dx * (centre.x - ax) + dy * (centre.y - ay)) / (dx * dx + dy * dy)
-        if 0.0 < along < 1.0:
-            distance = min(distance, math.hypot(ax + along * dx - centre.x, ay + along * dy - centre.y))
-    return distance
 
 
 def strongest_push(leg: Leg, angles: Sequence[float], strengths: Sequence[Strength]) -> Push:

@@ -1,12 +1,17 @@
 """What a leg can reach, and what it does about what it cannot.
 
+Near the end of a joint's range its angle goes over into the last one without a jump in speed, too: servos overshoot.
+
 A foot's distance from the joint that points the leg at it goes over into the leg's longest, or shortest, without a
 jump in speed: a leg that ran straight into its end would stop there at once, its knee at its fastest.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
+_SPARE = math.radians(1.0)  # that a joint stays off its limits
+_SOFT_JOINT = math.radians(3.0)  # before that, where it slows down
 _SOFT = 0.02  # of the way between shortest and longest, at either end
 # A leg stretched to its very end has no speed left along itself; IK stays this far off.
 _MARGIN = 1e-6  # m
@@ -42,3 +47,28 @@ class Reach(NamedTuple):
         if short > 0.0:
             return self.shortest + self.soft * math.exp(-short / self.soft)
         return distance
+
+
+class Ranges:
+    """The ranges of a leg's joints, softened at both ends."""
+
+    def __init__(self, limits: Sequence[tuple[float, float]]) -> None:
+        """Take each joint's lower and upper limit, rad, from the body to the foot."""
+        self._limits = [
+            (low, high, min(_SOFT_JOINT, 0.1 * (high - low)), min(_SPARE, 0.02 * (high - low))) for low, high in limits]
+        self._free = [(low + soft + spare, high - soft - spare) for low, high, soft, spare in self._limits]
+
+    def keep(self, angles: Sequence[float]) -> Sequence[float]:
+        """Return angles, rad, within the ranges: the same, but for the ends (C1, and never beyond them)."""
+        for angle, (low, high) in zip(angles, self._free, strict=True):
+            if not low <= angle <= high:
+                return [self._kept(index, angle) for index, angle in enumerate(angles)]
+        return angles
+
+    def _kept(self, index: int, angle: float) -> float:
+        (low, high), soft = self._free[index], self._limits[index][2]
+        if angle > high:
+            return high + soft * -math.expm1((high - angle) / soft)
+        if angle < low:
+            return low - soft * -math.expm1((angle - low) / soft)
+        return angle

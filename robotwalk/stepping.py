@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from robotwalk.barriers import GivingUp
 from robotwalk.body import advanced, placed
+from robotwalk.carriage import MOST_ROOM, USUAL_ROOM
 from robotwalk.contact import Sense
 from robotwalk.foot import Foot
 from robotwalk.free_stepping import FreeStepping, passing
@@ -35,6 +36,7 @@ _BUMP = 0.1  # of the weight, that pushes a foot back on its way: it is struck
 _STEEP = 0.7  # of a load; pushed back by more than this, a foot would slip off what it struck
 _LOST = 0.12  # of the weight, that a foot should bear of which nothing is felt: it has lost its ground
 _LOST_FOR = 0.12  # s of that; loads pass from foot to foot in less
+_SEARCH = 0.2  # s that a search takes, about
 _STRUCK_FOR = 0.025  # s; gears with backlash jolt, too, but not for long
 _SURE_AFTER = 0.15  # s
 _BUMPS = 3  # in one swing, after which the foot stands where it is
@@ -42,8 +44,6 @@ _HIGHER = 0.02  # m that each of them adds to the lift
 _MOST_CAUTIOUS = 0.025  # m added to the lift of every foot where the ground has surprised
 _CALMING = 0.9  # of that stays after each step without a surprise
 _BACK = 0.01  # m that a foot draws back when it is struck
-_STRETCH = 0.55  # of its largest stride that a foot may be from rest; half in a steady gait
-_FARTHEST = 0.85  # of it that a foot may be which stands where it found ground, or waits for others that look for it
 
 
 class Footfalls(NamedTuple):
@@ -74,6 +74,7 @@ class Stepping:
         self._phase = 0.0  # of the needle
         self._senses: Sequence[Sense | None] = (None,) * len(model.legs)
         self._plane = GroundPlane()
+        self.room = MOST_ROOM  # share of its largest stride that a foot may be from rest, as the body is carried
         self._feet = [Foot(leg) for leg in model.legs]
         for foot in self._feet:
             foot.plant(Vec3(*placed(course, foot.leg.rest_foot), self._ground))
@@ -114,9 +115,20 @@ class Stepping:
         """Return how long each foot would have to wait for its lift-off, s."""
         if gait.free is not None:
             return gait.free.waits(self._feet, course, twist, self._swing_time(gait, period))
+        late = max(self._lateness(foot, phase, period) for foot in self._feet)
         return [
-            0.0 if self._due(foot, index, gait, phase) is not None else gait.until_lift_off(index, phase) * period
-            for index, foot in enumerate(self._feet)]
+            0.0 if self._due(foot, index, gait, phase) is not None
+            else gait.until_lift_off(index, phase) * period + late for index, foot in enumerate(self._feet)]
+
+    def _lateness(self, foot: Foot, phase: float, period: float) -> float:
+        """Return for how long the needle will have to wait for a foot in the air, s, as far as that is known."""
+        if foot.sector is None or not foot.overdue:
+            return 0.0
+        if foot.search is not None or foot.swing is None:
+            return _SEARCH
+        seconds = max(foot.share * period, foot.slowest(self._min_swing))
+        turns = (foot.sector.start + foot.sector.length - phase) % 1.0
+        return max((1.0 - foot.swing.progress) * seconds - turns * period, 0.0)
 
     def _swing_time(self, gait: Gait, period: float) -> float:
         return max(gait.feet[0][0].length * period, self._min_swing)
@@ -127,7 +139,9 @@ class Stepping:
             if foot.sector is not None:
                 continue
             (dx, dy), (ux, uy) = foot.offset(course), passing(foot.leg, twist)
-            limit = (_STRETCH if sense is None or gait.free is not None else _FARTHEST) * foot.leg.max_stride
+            # Farther where it may stand where it found ground, or wait for others that look for it.
+            usual = USUAL_ROOM if sense is None or gait.free is not None else MOST_ROOM
+            limit = min(usual, self.room) * foot.leg.max_stride
             wx, wy = ux * wait, uy * wait
             if (dx - wx) ** 2 + (dy - wy) ** 2 > limit * limit:
                 # The share s at which |d - s w| meets the limit; going back towards rest is always allowed.
@@ -260,7 +274,7 @@ class Stepping:
                 x, y = footprint(foot.leg, course, twist, remaining + 0.5 * sector.stance * clock.period)
             foot.target = Vec3(x, y, self._ground + self._plane.at(course, x, y))
             swing.retarget(foot.target if contact is None else Vec3(x, y, foot.target.z - _PRESS))
-        foot.place = swing.step(dt, seconds, up)
+        foot.move(swing.step(dt, seconds, up), dt)
         if contact is not None and sense is not None:
             self._feel(foot, swing, sector, sense, contact, dt)
         elif swing.progress >= 1.0:
@@ -310,6 +324,7 @@ class Stepping:
         foot.overdue = True
         self._be_surprised(_MOST_CAUTIOUS)
         if foot.bumps > _BUMPS:
+            foot.draw_to(sense.place)
             foot.search = Search(contact, foot.path, foot.leg.lift, foot.stood, sense.place, self._random)
             return
         dx, dy = foot.target.x - foot.stood.x, foot.target.y - foot.stood.y
@@ -340,7 +355,7 @@ class Stepping:
             off = sense.place.z - z
             foot.anchor(Vec3(x, y, z if abs(off) <= _AS_FELT else z + off))
             return
-        foot.place = search.step(dt)
+        foot.move(search.step(dt), dt)
         if search.done:
             foot.plant(foot.stood)
         elif foot.swing is None and search.phase is not Phase.DOWN:

@@ -1,5 +1,6 @@
 """Balance, seen from above: the centre of mass, and the polygon of the feet that stand."""
 
+import itertools
 import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -60,6 +61,23 @@ def support_margin(feet: Sequence[Vec3], point: Vec3) -> float:
     """Return how far a point lies inside the convex hull of the feet, seen from above, m; negative outside."""
     sides = support_polygon(feet)
     return min((side.nx * point.x + side.ny * point.y - side.bound for side in sides), default=-math.inf)
+
+
+def beyond_edge(feet: Sequence[Vec3], point: Vec3) -> float:
+    """Return how far a point is outside the convex hull of the feet, seen from above, m; negative inside.
+
+    Two feet have a line for a hull, one a point.
+    """
+    margin = support_margin(feet, point)
+    if margin >= 0.0:
+        return -margin
+    distance = min(math.dist(foot[:2], point[:2]) for foot in feet)
+    for (ax, ay, _), (bx, by, _) in itertools.combinations(feet, 2):
+        dx, dy = bx - ax, by - ay
+        along = (dx * (point.x - ax) + dy * (point.y - ay)) / (dx * dx + dy * dy)
+        if 0.0 < along < 1.0:
+            distance = min(distance, math.hypot(ax + along * dx - point.x, ay + along * dy - point.y))
+    return distance
 
 
 def nearest_inside(x: float, y: float, planes: Sequence[HalfPlane]) -> tuple[float, float] | None:

@@ -9,6 +9,8 @@ from robotwalk.model import MotionLimits
 from robotwalk.pseudo_physics import Stage, step_at
 from robotwalk.types import STILL, Twist
 
+_BRAKING = 3.0  # times the acceleration, before a leg is over-stretched
+
 
 class Shaped(NamedTuple):
     """What becomes of a wanted twist."""
@@ -18,10 +20,13 @@ class Shaped(NamedTuple):
     scale: float  # feasible / wanted, 1 where nothing was cut
 
 
-def feasible(wanted: Twist, limits: MotionLimits, gait: Gait) -> tuple[Twist, float]:
-    """Scale a twist as a whole, so that its direction and the arc's radius stay, to what robot and gait can do."""
+def feasible(wanted: Twist, limits: MotionLimits, gait: Gait, part: float = 1.0) -> tuple[Twist, float]:
+    """Scale a twist as a whole, so that its direction and the arc's radius stay, to what robot and gait can do.
+
+    Strides are a `part` of what they may be else.
+    """
     speed = math.hypot(wanted.vx, wanted.vy)
-    scale = min(1.0, gait.largest_scale(wanted))
+    scale = min(1.0, gait.largest_scale(wanted, part))
     if speed > limits.speed:
         scale = min(scale, limits.speed / speed)
     if abs(wanted.wz) > limits.turn:
@@ -59,7 +64,7 @@ class VelocityShaper:
     def __init__(self, limits: MotionLimits) -> None:
         self._limits = limits
         self._twist = STILL
-        self._asked: tuple[Twist, Gait] | None = None
+        self._asked: tuple[Twist, Gait, float] | None = None
         self._feasible = (STILL, 1.0)
 
     @property
@@ -67,22 +72,25 @@ class VelocityShaper:
         """The twist in force."""
         return self._twist
 
-    def feasible(self, wanted: Twist, gait: Gait) -> Twist:
-        """Return what robot and gait can do of a twist."""
+    def feasible(self, wanted: Twist, gait: Gait, part: float = 1.0) -> Twist:
+        """Return what robot and gait can do of a twist, with strides that are a `part` of what they may be else."""
         # A command lasts for many ticks.
-        if self._asked is None or self._asked[0] is not wanted or self._asked[1] is not gait:
-            self._asked = wanted, gait
-            self._feasible = feasible(wanted, self._limits, gait)
+        asked = self._asked
+        if asked is None or asked[0] is not wanted or asked[1] is not gait or asked[2] != part:
+            self._asked = wanted, gait, part
+            self._feasible = feasible(wanted, self._limits, gait, part)
         return self._feasible[0]
 
     def step(
-        self, wanted: Twist, gait: Gait, dt: float, hold_back: float = 1.0, *, pushes: bool = True
+        self, wanted: Twist, gait: Gait, dt: float, hold_back: float = 1.0, *, pushes: bool = True, part: float = 1.0,
+        brake: bool = False,
     ) -> Shaped:
         """Advance by `dt` s towards `wanted`, or a share of it while the feet cannot follow.
 
-        While no foot `pushes` the twist stays as it is, but for a stop, or feet that cannot follow.
+        While no foot `pushes` the twist stays as it is, but for a stop, or feet that cannot follow. The robot may
+        `brake` more firmly than it sets off.
         """
-        aim = self.feasible(wanted, gait)
+        aim = self.feasible(wanted, gait, part)
         scale = self._feasible[1]
         aim = Twist(aim.vx * hold_back, aim.vy * hold_back, aim.wz * hold_back)
         now = self._twist
@@ -91,9 +99,10 @@ class VelocityShaper:
             return Shaped(now, aim, scale)
         dx, dy, dw = aim.vx - now.vx, aim.vy - now.vy, aim.wz - now.wz
         # The share of the way that this tick's accelerations allow.
+        firmly = _BRAKING * dt if brake else dt
         excess = max(
-            math.hypot(dx, dy) / (self._limits.acceleration * dt),
-            abs(dw) / (self._limits.turn_acceleration * dt),
+            math.hypot(dx, dy) / (self._limits.acceleration * firmly),
+            abs(dw) / (self._limits.turn_acceleration * firmly),
         )
         if excess <= 1.0:
             self._twist = aim
