@@ -29,6 +29,7 @@ app.command("robotwalk.cli.servo:app", name="servo", help="Look after single ser
 app.command("robotwalk.cli.calibrate:calibrate", help="Find out how each servo sits in its joint, by hand.")
 app.command("robotwalk.cli.check:check", help="Check a robot's files: reach, balance, bus time.")
 app.command("robotwalk.cli.doctor:doctor", help="Look at this computer, and say what mends it.")
+app.command("robotwalk.cli.service:app", name="service", help="Have this computer offer a robot after every boot.")
 app.command("robotwalk.cli.gait:app", name="gait", help="Look at a gait: in numbers, and drawn.")
 app.command("robotwalk.cli.list:app", name="list", help="List the bundled robots, servos or gaits.")
 app.command("robotwalk.cli.bench:app", name="bench", help="Measure the tick or the simulation on this computer.")
