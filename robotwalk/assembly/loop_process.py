@@ -10,6 +10,7 @@ import sys
 from hal.serial_transport import inherited_port
 from robotwalk.assembly.blueprint import Files, build
 from robotwalk.assembly.session import engine_of, robot_of
+from robotwalk.doctor import rights
 from robotwalk.process.log_feed import LogFeed
 from robotwalk.process.mailbox import unpacked
 from robotwalk.process.messages import Brief
@@ -25,8 +26,6 @@ from robotwalk.realtime import (
     sharpen_timers,
 )
 from robotwalk.timing import Histogram
-
-_GRANT = "`sudo prlimit --pid $$ --rtprio=80 --memlock=unlimited` grants it to a shell"
 
 
 def main() -> None:
@@ -61,14 +60,8 @@ def _enter_real_time(awake: bool) -> list[str]:
     gc.disable()  # nothing in a tick makes cycles
     sharpen_timers()
     pin()
-    lacking = []
-    if not raise_priority():
-        lacking.append("no right to FIFO priority")
-    if not lock_memory():
-        lacking.append("no right to lock memory")
-    if not awake:
-        lacking.append("no right to keep processors awake")
-    return [f"the loop may be late: {', '.join(lacking)}; {_GRANT}"] if lacking else []
+    had = {rights.FIRST: raise_priority(), rights.MEMORY: lock_memory(), rights.AWAKE: awake}
+    return rights.lacking([right for right, there in had.items() if not there])
 
 
 if __name__ == "__main__":

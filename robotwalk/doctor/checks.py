@@ -9,7 +9,7 @@ from typing import NamedTuple
 from robotwalk.doctor.computer import IPC_LOCK, SYS_NICE, Computer
 from robotwalk.doctor.remedy import Remedy, writing
 from robotwalk.doctor.rights import AWAKE, FIRST, GROUP, MEMORY, Right
-from robotwalk.realtime import LOOP_PRIORITY
+from robotwalk.realtime import ISOLATED, LOOP_PRIORITY, processors
 
 _GOVERNORS = "/sys/devices/system/cpu/cpu*/cpufreq/scaling_governor"
 _CLOCK = "/sys/devices/system/clocksource/clocksource0"
@@ -19,6 +19,8 @@ _PORTS = ("/dev/ttyUSB*", "/dev/ttyACM*", "/dev/ttyAMA*")
 _PIP = f"{sys.executable} -m pip"
 _FEETECH = ("feetech-servo-sdk", "ftservo-python-sdk")
 _WORST_MUJOCO = "4.0.0"
+_MANY_CORES = 4  # of which one can be spared
+_PI_BOOT = "/boot/firmware/cmdline.txt"
 
 
 class Level(Enum):
@@ -97,20 +99,26 @@ def _right(computer: Computer, check: str, right: Right, had: bool) -> Finding:
 
 
 def _cores(computer: Computer) -> Finding:
-    why = "the loop wants a processor of its own, the simulation and the screen another one"
-    online = _ranges(computer.text("/sys/devices/system/cpu/online") or "0")
-    isolated = _ranges(computer.text("/sys/devices/system/cpu/isolated") or "")
+    why = "the loop wants a processor of its own"
+    online = processors(computer.text("/sys/devices/system/cpu/online") or "0")
+    isolated = processors(computer.text(ISOLATED) or "")
     text = f"{len(online)} processor(s), isolated: {', '.join(map(str, isolated)) or 'none'}"
-    return Finding("cores", Level.FINE if len(online) > 1 else Level.ADVICE, text, why)
+    enough = len(online) > 1 and (isolated or len(online) < _MANY_CORES)
+    return Finding(
+        "cores", Level.FINE if enough else Level.ADVICE, text, why,
+        None if enough or len(online) == 1 else _isolating(computer, max(online)))
 
 
-def _ranges(text: str) -> list[int]:
-    """Return the numbers of a list as Linux writes it: 0-3,7."""
-    numbers: list[int] = []
-    for part in filter(None, text.split(",")):
-        first, _, last = part.partition("-")
-        numbers.extend(range(int(first), int(last or first) + 1))
-    return numbers
+def _isolating(computer: Computer, processor: int) -> Remedy | None:
+    """Return what keeps Linux from running others on a processor. It changes how the computer boots: people decide."""
+    option, then = f"isolcpus={processor}", "from the next boot on"
+    if computer.paths(_PI_BOOT):
+        return Remedy(f"sudo sed -i '1s/$/ {option}/' {_PI_BOOT}", then=then)
+    if not computer.paths("/etc/default/grub"):
+        return None
+    line = f'GRUB_CMDLINE_LINUX_DEFAULT="$GRUB_CMDLINE_LINUX_DEFAULT {option}"'
+    written = writing(line, ["/etc/default/grub.d/robotwalk.cfg"])
+    return Remedy(f"{written.command} && sudo update-grub", then=then)
 
 
 def _clock(computer: Computer) -> Finding:
