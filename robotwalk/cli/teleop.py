@@ -48,6 +48,7 @@ def teleop(
     port: list[str] | None = None,
     real: Annotated[bool, Flag] = False,
     hang: Annotated[bool, Flag] = False,
+    seated: Annotated[bool, Flag] = False,
     terrain: str | None = None,
     faults: Path | None = None,
     seed: int | None = None,
@@ -83,6 +84,8 @@ def teleop(
         Open the ports that the robot's file names, or physical ones given by --port. The robot will move.
     hang
         For the first motion, on a stand with the feet off the ground: a third of the torque.
+    seated
+        Begin with torque off, until a driver says stand; as after a boot.
     terrain
         The ground of the simulation: a name from `robotwalk list terrains`, or the path of a YAML file. Default: flat.
     faults
@@ -131,7 +134,8 @@ def teleop(
         session = assembly.connect(
             blueprint, ports, real=real, rate_hz=rate, log=log, torque=HANGING if hang else 1.0)
         _say_ready(devices, page, json)
-        drive = Drive(session.robot, Bridge(devices, check), show, f"see it at {page}" if page else "")
+        drive = Drive(
+            session.robot, Bridge(devices, check), show, f"see it at {page}" if page else "", seated=seated)
         code, sentence = run_to_end(session.robot, drive.run)
     if sentence is not None:
         complain(sentence)

@@ -24,12 +24,15 @@ class Drive:
     """One session. While it walks it is a behaviour, whose commands come from the helm."""
 
     def __init__(
-        self, robot: Robot, bridge: Bridge, show: Callable[[float, Told, str | None], None], note: str = "",
+        self, robot: Robot, bridge: Bridge, show: Callable[[float, Told, str | None], None], note: str = "", *,
+        seated: bool = False,
     ) -> None:
         """Prepare to drive; `show` is told what is known at a time (s), and what was refused.
 
-        `note` is told while there is nothing else to tell.
+        `note` is told while there is nothing else to tell. A robot that begins `seated` has torque off until a driver
+        wants it to stand.
         """
+        self._seated = seated
         self._robot = robot
         self._bridge = bridge
         self._show = show
@@ -58,10 +61,11 @@ class Drive:
             SafetyStop, KeyboardInterrupt, SystemExit: it ended early; the robot sits, or is frozen.
         """
         robot = self._robot
-        self._show(time.monotonic(), Told(note="it is found, armed and stands up"), None)
         robot.observers.append(self._watch)
         with robot:
-            self._do(robot.stand)
+            if not self._seated:
+                self._show(time.monotonic(), Told(note="it is found, armed and stands up"), None)
+                self._do(robot.stand)
             while (wish := self._next()) is not Wish.QUIT:
                 if wish is Wish.SIT:
                     self._do(robot.sit)
@@ -139,6 +143,8 @@ class Drive:
     def _tell(self) -> Told:
         """Gather what is known."""
         robot, loop = self._robot, self._robot.loop
+        if self._ticks == 0:
+            return Told(note="torque is off until somebody says stand", rate_hz=loop.rate_hz)
         state = robot.state
         note = robot.events[-1].text if robot.events and robot.events[-1].kind != "state" else self._note
         return Told(
