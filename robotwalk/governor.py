@@ -13,10 +13,15 @@ from typing import NamedTuple
 
 from robotwalk.agreement import Agreement
 from robotwalk.config.safety import GovernorConfig
-from robotwalk.types import Measured, ServoCondition
+from robotwalk.types import ServoCondition
 
 _AGREEING = 3  # readings of one servo
 _HYSTERESIS = 0.04  # of the limit, by which it must be better to be well again
+_WORDS = {
+    "heat": "is at {:.0f} degC, and lets go at {:.0f}",
+    "voltage": "gets {:.1f} V, and lets go below {:.1f}",
+    "current": "draws {:.1f} A, of {:.1f} at most",
+}
 
 
 class Strain(NamedTuple):
@@ -27,11 +32,14 @@ class Strain(NamedTuple):
     ease: float
     sit: float | None
     low: bool  # the limit is a lowest value
-    words: str  # how it is, to follow "the servo of lf_coxa"
 
     def beyond(self, share: float) -> bool:
         """Tell whether the value is as near to the limit as a share of it says."""
         return self.value < share * self.limit if self.low else self.value > share * self.limit
+
+    def words(self, quantity: str) -> str:
+        """Return how it is, to follow "the servo of lf_coxa"."""
+        return _WORDS[quantity].format(self.value, self.limit)
 
 
 class Governed(NamedTuple):
@@ -83,45 +91,41 @@ class Governor:
         if before.news is not None:
             before = self._governed = before._replace(news=None)
         condition, joint = self._condition(index), self._joints[index]
-        for quantity, measured, strain in self._strains(condition):
-            if measured.age > self._turn:
-                continue
-            gauge = self._gauges[index].setdefault(quantity, _Gauge())
+        for quantity, strain in self._strains(condition):
+            gauge = self._gauges[index].get(quantity)
+            if gauge is None:
+                gauge = self._gauges[index][quantity] = _Gauge()
             gauge.step(strain)
             if gauge.near.holds:
                 self._near[joint, quantity] = None
             else:
                 self._near.pop((joint, quantity), None)
             if gauge.nearest.holds and before.trouble is None:
-                before = before._replace(trouble=f"{_cause(quantity)}: the servo of {joint} {strain.words}")
+                before = before._replace(trouble=f"{_cause(quantity)}: the servo of {joint} {strain.words(quantity)}")
             if bool(self._near) is not before.eased:
                 news = "well again: at the usual speed and height"
                 if self._near:
-                    news = f"slower and lower, for the servo of {joint} {strain.words}"
+                    news = f"slower and lower, for the servo of {joint} {strain.words(quantity)}"
                 before = before._replace(eased=bool(self._near), news=news)
-            weak = any(quantity == "voltage" for _, quantity in self._near)
-            if weak is not before.weak:
-                before = before._replace(weak=weak)
+        weak = any(quantity == "voltage" for _, quantity in self._near)
+        if weak is not before.weak:
+            before = before._replace(weak=weak)
         self._governed = before
         return before
 
-    def _strains(self, condition: ServoCondition) -> list[tuple[str, Measured, Strain]]:
+    def _strains(self, condition: ServoCondition) -> list[tuple[str, Strain]]:
+        """Return what a servo has newly told of how near it is to its limits."""
         limits, config = condition.limits, self._config
         found = []
         heat, volts, amperes = condition.temperature, condition.voltage, condition.current
-        if heat is not None and limits.hottest is not None:
-            words = f"is at {heat.value:.0f} degC, and lets go at {limits.hottest:.0f}"
-            found.append(("heat", heat, Strain(
-                heat.value, limits.hottest, config.heat_ease, config.heat_sit, False, words)))
-        if volts is not None and limits.lowest_voltage is not None:
-            words = f"gets {volts.value:.1f} V, and lets go below {limits.lowest_voltage:.1f}"
-            found.append(("voltage", volts, Strain(
-                volts.value, limits.lowest_voltage, config.voltage_ease, config.voltage_sit, True, words)))
-        if amperes is not None and limits.largest_current is not None:
-            value = abs(amperes.value)
-            words = f"draws {value:.1f} A, of {limits.largest_current:.1f} at most"
-            found.append(("current", amperes, Strain(
-                value, limits.largest_current, config.current_ease, None, False, words)))
+        if heat is not None and limits.hottest is not None and heat.age <= self._turn:
+            found.append(("heat", Strain(heat.value, limits.hottest, config.heat_ease, config.heat_sit, False)))
+        if volts is not None and limits.lowest_voltage is not None and volts.age <= self._turn:
+            found.append(("voltage", Strain(
+                volts.value, limits.lowest_voltage, config.voltage_ease, config.voltage_sit, True)))
+        if amperes is not None and limits.largest_current is not None and amperes.age <= self._turn:
+            found.append(("current", Strain(
+                abs(amperes.value), limits.largest_current, config.current_ease, None, False)))
         return found
 
 
