@@ -65,7 +65,7 @@ class Controller:
         self._clock = GaitClock(gaits[default_gait])
         self._unfold: Unfold | None = None
         self._idle = True
-        self._cramped = False  # a standing leg is near the end of a joint's range
+        self._cramped: list[int] = []  # standing legs that are near the end of a joint's range
         self._waiting = False  # lift-offs, and the needle, for the body's shift
         self._sit_anew()
 
@@ -115,7 +115,8 @@ class Controller:
         # While a body shifts, its joints give to changing loads, and odometry sees turns that are none.
         held = command.heading is not None or self._clock.gait.balance is not None
         twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=held)
-        over_ground = self._over_ground(self._body.step(twist, height, posture, dt, still=self._cramped), dt)
+        still = bool(self._cramped) and state is State.WALK and not self._idle
+        over_ground = self._over_ground(self._body.step(twist, height, posture, dt, still=still), dt)
         pose = self._level(over_ground, state, estimate, dt)
         self._turn_needle(twist, bearable, command.period, carriage.part, dt)
         self._waiting = self._balance(pose, twist) or self._shifts(posture)
@@ -155,13 +156,14 @@ class Controller:
             ready = self._stepping.change_gait(self._clock, gait, course, now)
             if ready < 1.0 and aim != STILL:  # slow down until it is
                 share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
-        if self._footfalls.searching or self._cramped:
+        brake = bool(self._cramped) and self._stepping.fall_behind(self._cramped, course, now)
+        if self._footfalls.searching or brake:
             share = 0.0
         pushes = self._propulsion.step(self._clock, self._footfalls.planted, self._idle)
         if share >= 1.0 and faster > 1.0:
             most, _ = feasible(Twist(*(faster * v for v in aim)), self._model.motion, gait, part)
             share = math.hypot(*most) / math.hypot(*aim)
-        return self._shaper.step(twist, gait, dt, share, pushes=pushes, part=part, brake=self._cramped), bearable
+        return self._shaper.step(twist, gait, dt, share, pushes=pushes, part=part, brake=brake), bearable
 
     def _carriage(self, state: State, command: Command, gait: Gait) -> Carriage:
         """Return the height and the posture to go for; down only once the feet are at rest."""
@@ -276,10 +278,10 @@ class Controller:
 
     def _angles(self, footfalls: Footfalls) -> tuple[list[float], float]:
         angles: list[float] = []
-        miss, self._cramped = 0.0, False
+        miss, self._cramped = 0.0, []
         feet = seen_from(self._pose, footfalls.centres)
         legs = zip(self._solvers, self._ranges, feet, footfalls.planted, strict=True)
-        for solver, ranges, foot, stands in legs:
+        for leg, (solver, ranges, foot, stands) in enumerate(legs):
             solution = solver.solve(*foot)
             kept = ranges.keep(solution.angles)
             angles.extend(kept)
@@ -287,7 +289,8 @@ class Controller:
                 miss = max(miss, solution.miss)
             else:
                 miss = max(miss, math.dist(solver.foot(kept), foot))
-                self._cramped = self._cramped or stands
+                if stands:
+                    self._cramped.append(leg)
         return angles, miss
 
 

@@ -6,7 +6,7 @@ tick until late in the swing.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from random import Random
 from typing import NamedTuple
 
@@ -150,6 +150,14 @@ class Stepping:
                 inside = along * along - way * (dx * dx + dy * dy - limit * limit)
                 share = min(share, max((along + math.sqrt(inside)) / way, 0.0) if inside > 0.0 else 0.0)
         return share
+
+    def fall_behind(self, feet: Iterable[int], course: Pose, twist: Twist) -> bool:
+        """Tell whether a body that moves with `twist` leaves one of these feet, by their numbers, farther behind."""
+        for index in feet:
+            (dx, dy), (ux, uy) = self._feet[index].offset(course), passing(self._feet[index].leg, twist)
+            if dx * ux + dy * uy < 0.0:
+                return True
+        return False
 
     def until_lift_off(self, clock: GaitClock) -> float:
         """Return the time until a foot's turn to lift off, s; 0 if one is due."""
