@@ -40,6 +40,10 @@ class Odometry:
         self._feet: list[Vec3 | None] = [None] * len(model.legs)
         self._pose = LEVEL._replace(z=model.heights.sit)
 
+    def go_on(self, pose: Pose) -> None:
+        """Go on from a pose of the base in odom."""
+        self._pose = pose
+
     def step(
         self, state: JointState, feet: Sequence[Vec3], planted: Sequence[bool], commanded: Twist, dt: float
     ) -> Estimate:

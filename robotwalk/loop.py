@@ -9,27 +9,24 @@ import hashlib
 import struct
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from typing import NamedTuple
 
 from robotwalk.clock import Grid
-from robotwalk.contact import FootSense
-from robotwalk.controller import NOTHING_WANTED, Controller, Wanted
-from robotwalk.estimator import Estimate, Odometry, tilted, told_by
+from robotwalk.controller import NOTHING_WANTED, Wanted
+from robotwalk.estimator import Estimate
 from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate
-from robotwalk.model import RobotModel
 from robotwalk.ports import Clock, FootSwitches, Imu, ServoBus
 from robotwalk.recorder import Row
 from robotwalk.reentry import Reentry
 from robotwalk.safety import Safety
-from robotwalk.stability import Stability, stability
-from robotwalk.statics import up_in_base
+from robotwalk.stability import Stability
 from robotwalk.supervisor import Request, State
-from robotwalk.support import Masses
 from robotwalk.tape import Tape
 from robotwalk.timing import Histogram
 from robotwalk.types import STILL, Command, FootSwitch, ImuState, JointState
+from robotwalk.walker import Walker
 
 _NS = 1_000_000_000
 _HEARTBEAT = 500_000_000  # ns without a sign of the driver before the robot slows to a stand
@@ -63,23 +60,21 @@ class Loop:
         self,
         *,
         rate_hz: int,
-        model: RobotModel,
         clock: Clock,
         bus: ServoBus,
         imu: Imu | None = None,
         switches: FootSwitches | None = None,
-        controller: Controller,
-        odometry: Odometry,
+        walker: Walker,
         feedforward: Feedforward,
         gate: Gate,
         safety: Safety,
         record: Callable[[Row], None] | None = None,
         tape: Tape | None = None,
-        sense: FootSense | None = None,
         histograms: tuple[Histogram, Histogram, Histogram] | None = None,
+        regroup: Callable[[Set[int]], Walker] | None = None,
     ) -> None:
+        """Join the parts; `regroup` makes what is left of the robot walk, without the legs of dead joints (slots)."""
         self.rate_hz = rate_hz
-        self._masses = Masses(model)
         self._command = Command()
         self._beaten_at = 0
         self._safety = safety
@@ -89,11 +84,10 @@ class Loop:
         self._bus = bus
         self._imu = imu
         self._switches = switches
-        self._controller = controller
-        self._odometry = odometry
+        self._walker = walker
+        self._regroup = regroup
         self._feedforward = feedforward
         self._reentry = Reentry()
-        self._sense = sense
         self._record = record
         self._taped: Callable[..., None] = tape.call if tape is not None else lambda name, argument=None: None
         self.period = _NS // rate_hz
@@ -251,7 +245,7 @@ class Loop:
 
     def _take_over(self, state: JointState) -> None:
         """Go on from joints that hold their places."""
-        self._controller.start(state.position)
+        self._walker.start(state.position)
         self.gate.reset(state.position)
         self._feedforward.reset(state.position)
         self._reentry.reset(state.position)
@@ -264,20 +258,17 @@ class Loop:
     ) -> Tick:
         """Everything between the bytes read and the goals for the next write."""
         wanted = self._wanted
-        centre, feet = self._masses.centre_and_feet(joints.position)
-        estimate = told_by(imu, switches, self._odometry.step(joints, feet, wanted.planted, wanted.twist, dt))
-        stable = stability(centre, feet, wanted.planted, estimate.pose)
-        if self._sense is not None and wanted.legs and self._safety.efforts_tell:
-            lying = tilted(wanted.pose, imu)
-            up = up_in_base(lying.roll, lying.pitch)
-            estimate = estimate._replace(felt=self._sense.step(joints, wanted.legs, up, dt, switches))
+        estimate, stable = self._walker.perceive(joints, imu, switches, dt, feel=self._safety.efforts_tell)
         estimate = estimate._replace(barriers=wanted.barriers)
         command = self._command
         if now - self._beaten_at > _HEARTBEAT:
             command = command._replace(twist=STILL, heading=None)
-        state, command, holding, news = self._safety.step(
-            joints, command, seated=wanted.seated, standing=wanted.standing)
-        wanted = self._controller.step(state, command, estimate, dt)
+        state, command, holding, news, dead = self._safety.step(
+            joints, self._goals, command, seated=wanted.seated, standing=wanted.standing)
+        if dead and self._regroup is not None:
+            self._walker = self._regroup(dead)
+            self._walker.start(joints.position, estimate.pose)
+        wanted = self._walker.step(state, command, estimate, dt)
         goals = self._reentry.step(
             self._feedforward.step(wanted.angles, wanted.torques, dt), wanted.angles, joints, holding,
             self._bus.reseeded, dt)

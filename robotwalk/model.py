@@ -4,7 +4,7 @@ Joints are ordered leg by leg as in the robot's file, and along each leg from th
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
@@ -176,6 +176,23 @@ class RobotModel:
 
         return replace(self, legs=tuple(
             replace(leg, joints=tuple(narrow(joint) for joint in leg.joints)) for leg in self.legs))
+
+    def without(self, lost: Collection[str]) -> "RobotModel":
+        """Return what is left without some legs, which the body then bears as a load.
+
+        It does not feel the ground: what its loads should be with a leg hanging there nobody knows well enough.
+        """
+        kept = [index for index, leg in enumerate(self.legs) if leg.name not in lost]
+        legs: list[Leg] = []
+        first = 0
+        for index in kept:
+            legs.append(replace(self.legs[index], first=first))
+            first += len(legs[-1].joints)
+        weights = [self.reactions.weights[index] for index in kept]
+        left = replace(
+            self, legs=tuple(legs), contact=None, orientation=None,
+            reactions=self.reactions._replace(weights=tuple(weight / sum(weights) for weight in weights)))
+        return replace(left, body_mass=self.body_mass + self.mass - left.mass)
 
     @classmethod
     def from_config(cls, config: RobotConfig) -> "RobotModel":

@@ -37,6 +37,7 @@ class Recovery:
         self._patients: dict[int, str] = {}
         self._revival: tuple[int, Revival] | None = None
         self._lost: dict[int, str] = {}
+        self._hopeless: set[int] = set()
 
     @property
     def patients(self) -> Collection[int]:
@@ -53,13 +54,19 @@ class Recovery:
         self._patients.clear()
         self._revival = None
 
-    def step(self, found: Mapping[int, str], *, seated: bool) -> Treatment:
+    def let_go(self) -> None:
+        """Think of those that were given up no more: the robot goes on without them."""
+        self._lost.clear()
+
+    def step(self, found: Mapping[int, str], *, seated: bool, hopeless: Collection[int] = ()) -> Treatment:
         """Go on by a tick.
 
         Args:
             found: joints whose servos need help, and why, in words.
             seated: whether the body is down for them.
+            hopeless: those among them that no treatment helps.
         """
+        self._hopeless.update(hopeless)
         if not (found or self._patients):
             return NOBODY
         news = []
@@ -67,7 +74,8 @@ class Recovery:
             if slot in self._patients or slot in self._lost:
                 continue
             if self._tries[slot] >= self._most:
-                self._lost[slot] = f"{words}{f', after {self._most} times' if self._most else ''}"
+                tries = f", after {self._most} {'try' if self._most == 1 else 'tries'}" if self._most else ""
+                self._lost[slot] = words + tries
             else:
                 self._tries[slot] += 1
                 self._patients[slot] = words
@@ -81,6 +89,9 @@ class Recovery:
         """Treat one after the other."""
         if self._revival is None:
             slot = next(iter(self._patients))
+            if slot in self._hopeless:
+                self._lost[slot] = self._patients.pop(slot)
+                return []
             self._revival = slot, self._bus.revive(slot)
             return []
         slot, revival = self._revival

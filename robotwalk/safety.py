@@ -3,6 +3,7 @@
 Each watcher tells of one kind of trouble. The supervisor alone decides on the state.
 """
 
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from robotwalk.agreement import Agreement
@@ -11,6 +12,7 @@ from robotwalk.model import RobotModel
 from robotwalk.ports import ServoBus
 from robotwalk.recovery import Recovery
 from robotwalk.stale_joints import StaleJoints
+from robotwalk.stuck_joints import StuckJoints
 from robotwalk.supervisor import State, Supervisor
 from robotwalk.types import STILL, Command, JointState, Twist
 
@@ -22,6 +24,7 @@ class Verdict(NamedTuple):
     command: Command  # as far as it may be obeyed
     holding: tuple[int, ...] = ()  # joints whose goals are held
     news: tuple[tuple[str, str], ...] = ()  # what is worth an event: its kind, and what happened in words
+    dead: frozenset[int] = frozenset()  # joints without whose legs the robot is to go on from now on
 
 
 class Safety:
@@ -44,28 +47,43 @@ class Safety:
         self._stale = StaleJoints(model.safety.stale)
         self._governor = Governor(model.joint_names, model.safety.governor, bus.condition, 1.0 / rate_hz)
         self._recovery = Recovery(model.joint_names, bus, model.safety.recovery)
+        self._stuck = StuckJoints(len(model.joints), 1.0 / rate_hz)
         self._silent: dict[int, str] = {}  # joints that do not answer, and since when, in words
         self._alerted = Agreement()
         self._unclear = Agreement(rate_hz)  # for a second it was not to be learnt what is wrong
+        self._out: frozenset[int] = frozenset()  # all joints of legs that take no part any more
+        self._dead: frozenset[int] = frozenset()  # those among them whose servos are
         self._eased: tuple[Command, Command] | None = None  # a command, and what is left of it
 
-    def step(self, joints: JointState, command: Command, *, seated: bool, standing: bool) -> Verdict:
+    def step(
+        self, joints: JointState, goals: Sequence[float], command: Command, *, seated: bool, standing: bool
+    ) -> Verdict:
         """Look at what was measured, once a tick.
 
         Args:
             joints: as measured.
+            goals: that were sent just before.
             command: the driver's.
             seated: whether the body is down.
             standing: whether it is up, all feet at rest.
         """
         supervisor, governed = self.supervisor, self._governor.step()
-        stale = self._stale.step(joints.age)
+        stale = self._stale.step(joints.age if not self._out else [
+            0.0 if slot in self._out else age for slot, age in enumerate(joints.age)])
         patients, trouble = self._find(stale.silent, joints)
         if supervisor.state in (State.FAULT, State.STOP):
             patients.clear()
-        treated = self._recovery.step(patients, seated=seated and supervisor.state is State.MEND)
+        stuck: tuple[int, ...] = ()
+        if supervisor.state is State.WALK:
+            stuck = self._stuck.step(goals, joints.position, joints.valid)
+            for slot in stuck:
+                patients.setdefault(slot, f"joint {self._joints[slot]} is stuck: it does not move as it is sent")
+        treated = self._recovery.step(patients, seated=seated and supervisor.state is State.MEND, hopeless=stuck)
+        dead: frozenset[int] = frozenset()
         if treated.lost:
-            trouble = trouble or next(iter(treated.lost.values()))
+            dead = self._spare(treated.lost.keys()) if supervisor.state is State.MEND and seated else frozenset()
+            if not dead:
+                trouble = trouble or next(iter(treated.lost.values()))
         state = supervisor.step(
             trouble or governed.trouble, seated=seated, standing=standing, helping=treated.helping)
         if state in (State.FAULT, State.STOP):
@@ -74,11 +92,14 @@ class Safety:
         news = treated.news
         if governed.news is not None:
             news += (("governor", governed.news),)
+        if dead:
+            limbs = " and ".join(dict.fromkeys(self._limbs[slot] for slot in sorted(self._out)))
+            news += (("legs", f"going on without {limbs}"),)
         if governed.eased:
             command = self._ease(command)
         if stale.holding and state is not State.FAULT:
-            return Verdict(state, command._replace(twist=STILL, heading=None), stale.holding, news)
-        return Verdict(state, command, news=news)
+            return Verdict(state, command._replace(twist=STILL, heading=None), stale.holding, news, dead)
+        return Verdict(state, command, news=news, dead=dead)
 
     def _find(self, silent: tuple[int, ...], joints: JointState) -> tuple[dict[int, str], str | None]:
         """Return whose servos may be helped, and what cannot be: why, in words."""
@@ -89,6 +110,8 @@ class Safety:
         if len({self._limbs[slot] for slot in silent}) > 1:
             return {}, next(iter(found.values()))  # a wire is cut, or the power is off
         alerts = self._bus.alerts
+        if self._out:
+            alerts = {joint: what for joint, what in alerts.items() if self._joints.index(joint) not in self._out}
         if not self._alerted.step(bool(alerts)):
             return found, None
         beyond, unknown = [], False
@@ -105,6 +128,17 @@ class Safety:
                 beyond.append(words)
         self._unclear.step(unknown)
         return found, "; ".join(beyond) or None
+
+    def _spare(self, lost: Collection[int]) -> frozenset[int]:
+        """Take the legs of lost joints out, if enough are left; return all dead joints so far, or none."""
+        limbs = {self._limbs[slot] for slot in (*lost, *self._out)}
+        enough = self._config.recovery.walk_on_with_legs
+        if enough is None or len(set(self._limbs)) - len(limbs) < enough:
+            return frozenset()
+        self._out = frozenset(slot for slot, limb in enumerate(self._limbs) if limb in limbs)
+        self._dead = self._dead.union(lost)
+        self._recovery.let_go()
+        return self._dead
 
     def _ease(self, command: Command) -> Command:
         """Return a command, slower and lower. It stays the same object while the command does."""

@@ -1,7 +1,7 @@
 """A robot as its files describe it: what locomotion, the servos and the simulator each need of them."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -30,6 +30,7 @@ from robotwalk.plausibility import Plausibility, plausibility
 from robotwalk.types import DriveResponse, Strength
 
 _USUAL_GAITS = ("tripod", "tetrapod", "trot", "wave")  # of six, eight, four legs; of any number
+LIMP = "limp"  # the gait of a robot that has lost a leg
 _CALIBRATION = "calibration.yaml"
 _SHARE_OF_TICK = 0.8  # that a bus may take, with a fifth of the wire free
 
@@ -107,6 +108,14 @@ class Blueprint:
                 Wired(joint.name, limb, slot, row.id, servo, calibration, joint.lower, joint.upper))
         return wires
 
+    def without(self, lost: Collection[str]) -> "Left":
+        """Return what is left without some legs."""
+        model = self.model.without(lost)
+        legs = tuple(index for index, leg in enumerate(self.model.legs) if leg.name not in lost)
+        joints = range(len(self.model.joints))
+        slots = tuple(slot for index in legs for slot in joints[self.model.legs[index].span])
+        return Left(model, load_gaits({LIMP: self.files.gaits[LIMP]}, model), slots, legs)
+
     @cached_property
     def drives(self) -> tuple[DriveResponse, ...]:
         """How each joint follows its goals."""
@@ -128,6 +137,15 @@ class Blueprint:
     def refused(self) -> dict[str, str]:
         """Gaits that ask for more than the servos can give, and what it is."""
         return {name: judged.complaint() for name, judged in self.plausibilities.items() if not judged.plausible}
+
+
+class Left(NamedTuple):
+    """What is left of a robot that has lost legs."""
+
+    model: RobotModel
+    gaits: Mapping[str, Gait]  # the one that bears that
+    slots: tuple[int, ...]  # of its joints, in the whole robot's joint order
+    legs: tuple[int, ...]  # in the whole robot's order
 
 
 def load(robot: str, *, calibrated: bool = False) -> Blueprint:

@@ -1,7 +1,7 @@
 """A robot on a bus: locomotion, the loop and the servos joined."""
 
 import platform
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -13,12 +13,12 @@ from hal.imu.serial_imu import SerialImu
 from hal.protocols import protocol_of
 from hal.servo_bus import SerialServoBus
 from hal.servo_line import ServoLine
-from robotwalk.assembly.blueprint import Blueprint
+from robotwalk.assembly.blueprint import LIMP, Blueprint
 from robotwalk.contact import FootSense
 from robotwalk.controller import Controller
 from robotwalk.errors import UsageError
-from robotwalk.estimator import Odometry
 from robotwalk.feedforward import Feedforward
+from robotwalk.folded import Folded
 from robotwalk.limits import Gate, JointLimit
 from robotwalk.loop import Loop
 from robotwalk.ports import BytePort, Clock, FootSwitches, Imu, ServoBus
@@ -27,6 +27,7 @@ from robotwalk.robot import Robot
 from robotwalk.safety import Safety
 from robotwalk.tape import Tape, TapedClock, TapedPort
 from robotwalk.timing import Histogram
+from robotwalk.walker import Part, Walker
 
 RATE_HZ = 100
 _GOAL_LEAD = 3.0  # a goal may run this much faster than the servo, so that feed-forward is not cut
@@ -163,20 +164,28 @@ def loop_of(
     model = blueprint.model
     by_load = rate_hz >= _FEELING_HZ
     feels = model.contact is not None and (by_load or switches is not None)
+
+    def regroup(dead: Set[int]) -> Walker:
+        """Return what walks on without the legs of dead joints."""
+        lost = {leg.name for leg in model.legs if dead & set(range(len(model.joints))[leg.span])}
+        left, gaits, slots, legs = blueprint.without(lost)
+        part = Part(slots, legs, Folded(model, lost, dead))
+        return Walker(left, Controller(left, gaits, LIMP), gaits, part=part)
+
     return Loop(
         rate_hz=rate_hz,
-        model=model,
         clock=clock,
         bus=bus,
         imu=imu,
         switches=switches,
-        controller=Controller(model, blueprint.gaits, blueprint.default_gait),
-        odometry=Odometry(model),
+        walker=Walker(
+            model, Controller(model, blueprint.gaits, blueprint.default_gait), blueprint.gaits,
+            FootSense(model, blueprint.drives, by_load=by_load) if feels else None),
         feedforward=Feedforward(blueprint.drives),
         gate=gate_of(blueprint),
         safety=Safety(model, bus, rate_hz),
         record=record,
         tape=tape,
-        sense=FootSense(model, blueprint.drives, by_load=by_load) if feels else None,
+        regroup=regroup,
         histograms=histograms,
     )

@@ -19,7 +19,7 @@ HEXAPOD = (library.root() / "robots" / "hexapod.yaml").read_text()
 @pytest.mark.parametrize(("words", "code", "sentence"), [
     (["walk", "hexpod"], 2, "no robot is named 'hexpod'; did you mean 'hexapod'?"),
     (["walk", "missing.yaml"], 3, "missing.yaml: cannot be read: No such file or directory"),
-    (["walk", "hexapod", "--gait", "trot"], 2, "hexapod has no gait 'trot'; it has free, ripple, stroll"),
+    (["walk", "hexapod", "--gait", "trot"], 2, "hexapod has no gait 'trot'; it has free, limp, ripple, stroll"),
     (["walk", "hexapod", "--speed", "nan"], 2, "--speed should be a finite number, not nan"),
     (["walk", "hexapod", "--turn", "inf"], 2, "--turn should be a finite number, not inf"),
     (["walk", "hexapod", "--duration", "-1"], 2, "a walk lasts 0 to 86400 s, not -1.0"),

@@ -150,7 +150,7 @@ def test_check_passes_the_bundled_robot(robotwalk: Run) -> None:
     assert report["supply"] == {
         "stall_a": 23.4, "stated_a": None, "supply_v": 11.1, "sag_at_stall_v": 1.17, "servos_without_sheet": 0}
     gaits = {gait["gait"]: gait for gait in report["gaits"]}
-    assert set(gaits) == {"free", "ripple", "stroll", "tetrapod", "tripod", "wave"}
+    assert set(gaits) == {"free", "limp", "ripple", "stroll", "tetrapod", "tripod", "wave"}
     assert all(gait["reach_error_mm"] == 0.0 for gait in gaits.values())
     assert gaits["wave"]["balance_margin_mm"] > gaits["tripod"]["balance_margin_mm"] > 0.0
 

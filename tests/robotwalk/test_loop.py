@@ -6,7 +6,6 @@ from itertools import pairwise
 import pytest
 
 from robotwalk.controller import Controller
-from robotwalk.estimator import Odometry
 from robotwalk.feedforward import Feedforward
 from robotwalk.gait import Gait
 from robotwalk.kinematics import resting_angles
@@ -18,6 +17,7 @@ from robotwalk.recorder import Row
 from robotwalk.safety import Safety
 from robotwalk.supervisor import Request, State
 from robotwalk.types import BusStatistics, Command, DriveResponse, JointState, ServoCondition, Twist
+from robotwalk.walker import Walker
 
 RATE_HZ = 100
 PERIOD = 10_000_000  # ns
@@ -87,9 +87,9 @@ class Rig:
         self.bus = PerfectBus(model, self.clock)
         self.rows: list[Row] = []
         self.loop = Loop(
-            rate_hz=RATE_HZ, model=model, clock=self.clock, bus=self.bus,
-            controller=Controller(model, gaits, "tripod"),
-            odometry=Odometry(model), feedforward=Feedforward([DriveResponse(0.0, 0.0, 0.0, 6.0)] * 18),
+            rate_hz=RATE_HZ, clock=self.clock, bus=self.bus,
+            walker=Walker(model, Controller(model, gaits, "tripod"), gaits),
+            feedforward=Feedforward([DriveResponse(0.0, 0.0, 0.0, 6.0)] * 18),
             gate=Gate(model.joint_names, [JointLimit(-4.0, 4.0, 100.0, 1e6)] * 18),
             safety=Safety(model, self.bus, RATE_HZ),
             record=self.rows.append)

@@ -27,7 +27,7 @@ class Bystander:
 
     def __init__(self, simulation: assembly.Simulation) -> None:
         self.seen: list[Seen] = []
-        self.beyond: set[str] = set()  # joints seen beyond their limits
+        self.beyond: dict[str, float] = {}  # deg, by joints that were seen beyond their limits
         self._world, self._model = simulation.world, simulation.robot.model
         self._steps, self._last = 0, simulation.world.truth()
         simulation.world.observers.append(self._look)
@@ -41,8 +41,9 @@ class Bystander:
         dt = truth.time - last.time
         speeds = [abs(b - a) / dt for a, b in zip(last.joints, truth.joints, strict=True)]
         for joint, angle in zip(self._model.joints, truth.joints, strict=True):
-            if not joint.lower - _BEYOND <= angle <= joint.upper + _BEYOND:
-                self.beyond.add(joint.name)
+            beyond = max(joint.lower - angle, angle - joint.upper)
+            if beyond > _BEYOND:
+                self.beyond[joint.name] = max(math.degrees(beyond), self.beyond.get(joint.name, 0.0))
         fastest = max(range(len(speeds)), key=speeds.__getitem__)
         tilt = max(abs(truth.base.roll), abs(truth.base.pitch))
         self.seen.append(Seen(truth.time, truth.base.z - truth.ground, tilt, speeds[fastest], fastest))

@@ -1,11 +1,13 @@
 """Lost bytes and silent servos: what the robot does then."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 
 from robotwalk import assembly
+from robotwalk.config.safety import RecoveryConfig, SafetyConfig
 from robotwalk.errors import BusError, SafetyStop, UsageError
 from robotwalk.loop import Tick
 from robotwalk.supervisor import State
@@ -24,8 +26,15 @@ class TamperedDevice:
         return self.tamper(self.device.receive(data, now, baud), now)  # type: ignore[attr-defined]
 
 
+def frail() -> assembly.Blueprint:
+    """Return a hexapod that sits down for good at the first servo that is silent."""
+    hexapod = assembly.load("hexapod")
+    recovery = RecoveryConfig(tries=0, walk_on_with_legs=None)
+    return replace(hexapod, model=replace(hexapod.model, safety=SafetyConfig(recovery=recovery)))
+
+
 def tampered(tamper: Tamper) -> assembly.Simulation:
-    simulation = assembly.simulate("hexapod")
+    simulation = assembly.simulate(frail())
     simulation.world.ports["legs"].device = TamperedDevice(simulation.world.ports["legs"].device, tamper)
     return simulation
 
@@ -96,8 +105,7 @@ def test_a_dead_servo_costs_those_behind_it_one_sample_and_two_milliseconds_at_m
     with simulation.robot as robot:
         robot.stand()
         robot.observers.append(ticks.append)
-        with pytest.raises(SafetyStop, match="lm_coxa"):
-            robot.walk(vx=0.05, seconds=9.0)
+        robot.walk(vx=0.05, seconds=3.0)
     first = next(i for i, tick in enumerate(ticks) if not all(tick.joints.valid))
     assert ticks[first].joints.valid == (True,) * 3 + (False,) * 15
     for tick in ticks[first + 1 : first + 40]:
