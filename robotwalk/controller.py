@@ -91,6 +91,7 @@ class Controller:
         self._felt = False  # the feet feel the ground
         self._fastest_foot = 0.0  # m/s over the ground, of the twist to go for
         self._pace = Pace()
+        self._keeps_pace = model.contact is not None and model.contact.keep_pace
         self._barriers = Barriers()
         self._barred: Barrier | None = None
         self._sway = Sway(model)
@@ -113,7 +114,8 @@ class Controller:
         height, posture = carriage.height, carriage.posture
         shaped, bearable = self._shape(state, command, estimate, gait, carriage.part, dt)
         # While a body shifts, its joints give to changing loads, and odometry sees turns that are none.
-        held = command.heading is not None or self._clock.gait.balance is not None
+        held = (
+            command.heading is not None or self._clock.gait.balance is not None or not self._model.holds_course)
         twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=held)
         still = bool(self._cramped) and state is State.WALK and not self._idle
         over_ground = self._over_ground(self._body.step(twist, height, posture, dt, still=still), dt)
@@ -150,7 +152,7 @@ class Controller:
         aim = self._shaper.feasible(twist, gait, part)
         self._fastest_foot = max(gait.foot_speeds(aim))
         share = bearable = self._stepping.bearable(self._clock, course, aim)
-        faster = self._pace.step(aim, now, share, dt) if self._felt else 1.0
+        faster = self._pace.step(aim, now, share, dt) if self._felt and self._keeps_pace else 1.0
         # A slower gait takes over once the body is slow enough for it.
         if gait is not self._clock.gait and gait.largest_scale(now, part) >= 1.0 - _ROUNDING:
             ready = self._stepping.change_gait(self._clock, gait, course, now)

@@ -18,7 +18,12 @@ _CREEP = 0.1  # rad/s, below which friction is overcome in part only: sgn withou
 class Feedforward:
     """Inverts the drives' response, with differences of the wanted angles over the ticks."""
 
-    def __init__(self, responses: Sequence[DriveResponse]) -> None:
+    def __init__(self, responses: Sequence[DriveResponse], *, lag: bool = True, load: bool = True) -> None:
+        """Undo the drives' lag (damping, inertia, friction), and what a load takes over their stiffness."""
+        if not lag:
+            responses = [drive._replace(damping=0.0, inertia=0.0, friction=0.0) for drive in responses]
+        if not load:
+            responses = [drive._replace(stiffness=math.inf) for drive in responses]
         self._responses = tuple((drive.damping, drive.inertia, drive.friction, drive.stiffness) for drive in responses)
         self._last: Sequence[float] = ()
         self._before: Sequence[float] = ()

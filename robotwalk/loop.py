@@ -41,7 +41,7 @@ class Tick(NamedTuple):
     estimate: Estimate
     wanted: Wanted
     goals: tuple[float, ...]
-    stability: Stability
+    stability: Stability | None  # None: not asked for
     news: tuple[tuple[str, str], ...] = ()  # what is worth an event: its kind, and what happened in words
 
 

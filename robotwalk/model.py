@@ -120,6 +120,8 @@ class ContactSettings(NamedTuple):
     reach_down: float  # m
     search: bool
     slip: bool
+    caution: float  # m
+    keep_pace: bool
     fastest: float  # m/s of any foot over the ground
 
 
@@ -132,6 +134,13 @@ class OrientationSettings(NamedTuple):
     frontal_bias: float
     share: float
     in_swing: bool
+
+
+class Leads(NamedTuple):
+    """By what goals lead; see `FeedForwardConfig`."""
+
+    lag: bool = True
+    load: bool = True
 
 
 @dataclass(frozen=True)
@@ -150,6 +159,9 @@ class RobotModel:
     levelling: LevellingSettings | None = None
     contact: ContactSettings | None = None
     orientation: OrientationSettings | None = None
+    leads: Leads = field(default_factory=Leads)
+    holds_course: bool = True
+    tells_stability: bool = True
     safety: SafetyConfig = field(default_factory=SafetyConfig)
 
     @cached_property
@@ -225,6 +237,9 @@ class RobotModel:
             levelling=_levelling(motion.levelling),
             contact=_contact(motion.contact),
             orientation=_orientation(motion.orientation),
+            leads=Leads(motion.feed_forward.lag, motion.feed_forward.load),
+            holds_course=motion.hold_course,
+            tells_stability=motion.stability,
             safety=config.safety,
         )
 
@@ -245,7 +260,7 @@ def _reactions(config: ReactionConfig, legs: Iterable[str]) -> Reactions:
 def _contact(config: ContactConfig | None) -> ContactSettings | None:
     return None if config is None else ContactSettings(
         config.early_touchdown, config.step_over, _metres(config.reach_down_mm), config.search, config.slip,
-        math.inf if config.up_to_mps is None else config.up_to_mps)
+        _metres(config.caution_mm), config.keep_pace, math.inf if config.up_to_mps is None else config.up_to_mps)
 
 
 def _orientation(config: OrientationConfig | None) -> OrientationSettings | None:

@@ -40,7 +40,7 @@ class Row(NamedTuple):
     goals: tuple[float, ...]  # rad, sent in the next tick
     joints: JointState
     odometry: Pose
-    stability: Stability
+    stability: Stability | None
     wake: int  # ns late at the start
     bus: int  # ns in the exchange, and with the sensors
     tick: int  # ns of computing
@@ -147,9 +147,10 @@ class Recorder:
         self._write("joint_states", row.time, {"name": self._joints, **row.joints._asdict()})
         self._write("joint_goals", row.time, {"name": self._joints, "position": row.goals})
         self._write("odom", row.time, row.odometry._asdict())
-        self._write("stability", row.time, {
-            "margin_m": row.stability.margin, "standing_feet": len(row.stability.standing),
-            "centre_of_mass": row.stability.centre._asdict()})
+        if row.stability is not None:
+            self._write("stability", row.time, {
+                "margin_m": row.stability.margin, "standing_feet": len(row.stability.standing),
+                "centre_of_mass": row.stability.centre._asdict()})
         if row.imu is not None:
             self._write("imu", row.time, _imu_fields(row.imu))
         if row.switches:

@@ -41,7 +41,6 @@ _STRUCK_FOR = 0.025  # s; gears with backlash jolt, too, but not for long
 _SURE_AFTER = 0.15  # s
 _BUMPS = 3  # in one swing, after which the foot stands where it is
 _HIGHER = 0.02  # m that each of them adds to the lift
-_MOST_CAUTIOUS = 0.025  # m added to the lift of every foot where the ground has surprised
 _CALMING = 0.9  # of that stays after each step without a surprise
 _BACK = 0.01  # m that a foot draws back when it is struck
 
@@ -69,7 +68,7 @@ class Stepping:
         self._min_swing = model.motion.min_swing
         self._contact = model.contact
         self._weight = model.mass * GRAVITY
-        self._caution = 0.0  # m
+        self._caution = 0.0  # m added to the lift of every foot where the ground has surprised
         self._random = Random(0)
         self._phase = 0.0  # of the needle
         self._senses: Sequence[Sense | None] = (None,) * len(model.legs)
@@ -330,7 +329,7 @@ class Stepping:
         """Draw a foot back from what it struck and carry it on higher; at last stand in front of it."""
         foot.bumps += 1
         foot.overdue = True
-        self._be_surprised(_MOST_CAUTIOUS)
+        self._be_surprised(contact.caution)
         if foot.bumps > _BUMPS:
             foot.draw_to(sense.place)
             foot.search = Search(contact, foot.path, foot.leg.lift, foot.stood, sense.place, self._random)
@@ -373,7 +372,8 @@ class Stepping:
             foot.rise(foot.place, foot.leg.lift + self._caution)
 
     def _be_surprised(self, by: float) -> None:
-        self._caution = max(self._caution, min(by, _MOST_CAUTIOUS))
+        most = self._contact.caution if self._contact is not None else 0.0
+        self._caution = max(self._caution, min(by, most))
 
 
 def footprint(leg: Leg, course: Pose, twist: Twist, seconds: float) -> tuple[float, float]:

@@ -39,6 +39,7 @@ class Walker:
         self._gaits = gaits
         self._odometry = Odometry(model)
         self._masses = Masses(model)
+        self._tells_stability = model.tells_stability
         self._sense = sense
         self._part = part
         self._wanted = NOTHING_WANTED
@@ -55,7 +56,7 @@ class Walker:
 
     def perceive(
         self, joints: JointState, imu: ImuState | None, switches: Sequence[FootSwitch], dt: float, *, feel: bool
-    ) -> tuple[Estimate, Stability]:
+    ) -> tuple[Estimate, Stability | None]:
         """Return what a tick's measurements say of the body; feet are felt only if there is to be `feel`."""
         wanted, part = self._wanted, self._part
         if part is not None:
@@ -64,7 +65,7 @@ class Walker:
         centre, feet = self._masses.centre_and_feet(joints.position)
         step = self._odometry.step(joints, feet, wanted.planted, wanted.twist, dt)
         estimate = told_by(imu, tuple(switches), step)
-        stable = stability(centre, feet, wanted.planted, estimate.pose)
+        stable = stability(centre, feet, wanted.planted, estimate.pose) if self._tells_stability else None
         if self._sense is not None and wanted.legs and feel:
             lying = tilted(wanted.pose, imu)
             up = up_in_base(lying.roll, lying.pitch)

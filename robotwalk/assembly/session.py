@@ -181,7 +181,7 @@ def loop_of(
         walker=Walker(
             model, Controller(model, blueprint.gaits, blueprint.default_gait), blueprint.gaits,
             FootSense(model, blueprint.drives, by_load=by_load) if feels else None),
-        feedforward=Feedforward(blueprint.drives),
+        feedforward=Feedforward(blueprint.drives, lag=model.leads.lag, load=model.leads.load),
         gate=gate_of(blueprint),
         safety=Safety(model, bus, rate_hz),
         record=record,

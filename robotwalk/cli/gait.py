@@ -12,6 +12,7 @@ from robotwalk.errors import UsageError
 from robotwalk.gait import Gait
 from robotwalk.gait_figure import draw_gait
 from robotwalk.plausibility import Plausibility, plausibility
+from robotwalk.pseudo_physics_figure import draw_pseudo_physics
 
 app = App(name="gait", help="Look at a gait.")
 
@@ -44,14 +45,11 @@ def show(
     json
         One JSON object on stdout.
     """
-    for path, suffix in ((svg, ".svg"), (png, ".png")):
-        if path is not None and path.suffix != suffix:
-            raise UsageError(f"{path} should end in {suffix}")
+    drawn = _pictures(svg, png)
     if not 0.0 <= phase <= 1.0:
         raise UsageError(f"--phase is 0 to 1 turn, not {phase}")
     blueprint, shown = _found(gait, robot)
     judged = plausibility(blueprint.model, shown, blueprint.strengths)
-    drawn = [path for path in (svg, png) if path is not None]
     for path in drawn:
         draw_gait(blueprint.model, shown, phase).save(path)
     if json:
@@ -59,6 +57,51 @@ def show(
     else:
         _show(blueprint, shown, judged)
     return 0
+
+
+@app.command
+def pseudo_physics(
+    *, period: float = 0.8, svg: Path | None = None, png: Path | None = None,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Draw what pseudo-physics makes of a step: the phases of a stance, and the height that each foot gives (PPS).
+
+    Parameters
+    ----------
+    period
+        Of the gait, in seconds.
+    svg
+        Draw figures 9 to 11 of PPS here.
+    png
+        The same as PNG.
+    json
+        One JSON object on stdout.
+    """
+    drawn = _pictures(svg, png)
+    if not 0.0 < period <= 60.0:
+        raise UsageError(f"--period is over 0 and up to 60 s, not {period}")
+    if not drawn:
+        raise UsageError("say where to draw: --svg FILE or --png FILE")
+    figure = draw_pseudo_physics(period)
+    for path in drawn:
+        figure.save(path)
+    if json:
+        write_json({"period_s": period, "drawn": [str(path) for path in drawn]})
+    else:
+        say(f"drawn: {', '.join(map(str, drawn))}")
+    return 0
+
+
+def _pictures(svg: Path | None, png: Path | None) -> list[Path]:
+    """Return where to draw.
+
+    Raises:
+        UsageError: a name does not fit its kind.
+    """
+    for path, suffix in ((svg, ".svg"), (png, ".png")):
+        if path is not None and path.suffix != suffix:
+            raise UsageError(f"{path} should end in {suffix}")
+    return [path for path in (svg, png) if path is not None]
 
 
 def _found(gait: str, robot: str | None) -> tuple[assembly.Blueprint, Gait]:

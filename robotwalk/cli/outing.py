@@ -209,7 +209,7 @@ class Outing:
                 self._truth.add(*self._place())
                 self._odometry.add(tick.estimate.pose)
             if tick.state is State.WALK:
-                margin = tick.stability.margin
+                margin = tick.stability.margin if tick.stability is not None else None
                 self._margin = -math.inf if margin is None else min(self._margin, margin)
             self._imu.add(tick.estimate.imu)
         if self._ticks % max(rate // 10, 1) == 0:

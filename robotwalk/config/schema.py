@@ -179,7 +179,16 @@ class ContactConfig(Section):
     reach_down_mm: Annotated[float, Field(ge=0)] = 60.0  # how far below the expected ground a foot feels for it
     search: bool = True  # and then around
     slip: bool = True  # a foot that loses its load steps anew
+    caution_mm: Annotated[float, Field(ge=0, le=100)] = 25.0  # most that is added to lifts where ground surprised
+    keep_pace: bool = True  # the way lost while a foot looks for ground is made up for, a little faster
     up_to_mps: Positive | None = None  # of any foot over the ground; faster, it is felt too late. None: always
+
+
+class FeedForwardConfig(Section):
+    """By what goals lead, so that joints arrive where and when they should."""
+
+    lag: bool = True  # by the servo's damping, inertia and friction
+    load: bool = True  # by what the joint bears, over the servo's stiffness
 
 
 class LocomotionConfig(Section):
@@ -196,6 +205,9 @@ class LocomotionConfig(Section):
     levelling: LevellingConfig | None = None  # None: off; else the robot needs an IMU
     contact: ContactConfig | None = None  # None: it walks as if the ground were flat
     orientation: OrientationConfig | None = None  # None: the body stays level and at one height
+    feed_forward: FeedForwardConfig = FeedForwardConfig()
+    hold_course: bool = True  # turn against what odometry sees of turns that nobody asked for
+    stability: bool = True  # tell how far the centre of mass is inside the standing feet; it moves nothing
     feet: dict[str, FootfallConfig]
     reaction: ReactionConfig = ReactionConfig()
 

@@ -42,6 +42,18 @@ def test_a_gait_in_numbers_and_drawn(robotwalk: Run, tmp_path: Path) -> None:
     assert {tuple(bytes.fromhex(colour[1:])) for colour in (_SWING, _NEEDLE)} <= colours
 
 
+def test_the_figures_of_pseudo_physics_are_drawn(robotwalk: Run, tmp_path: Path) -> None:
+    result = robotwalk("gait", "pseudo-physics", "--period", "0.6", "--svg", "p.svg", "--json")
+    assert (result.code, result.json["drawn"]) == (0, ["p.svg"])
+    svg = ElementTree.parse(tmp_path / "p.svg").getroot()
+    bars = [float(box.get("points", "").split()[1].split(",")[0]) - float(box.get("points", "").split(",")[0])
+            for box in svg.iter("{http://www.w3.org/2000/svg}polygon") if box.get("fill") == _SWING]
+    assert bars[1:5] == pytest.approx([187.5, 187.5, 250.0, 250.0])  # of a turn of 375: 1/2 and 2/3, twice
+    heights = [element.text for element in svg.iter("{http://www.w3.org/2000/svg}text") if "mm" in (element.text or "")]
+    assert heights[:3] == ["+110 mm", "-110 mm", "+196 mm"]  # g (T/2)^2 / 8; and g (2T/3)^2 / 8
+    assert robotwalk("gait", "pseudo-physics").code == 2
+
+
 def test_ones_own_gait(robotwalk: Run, tmp_path: Path) -> None:
     (tmp_path / "limp.yaml").write_text(OWN)
     shown = robotwalk("gait", "show", "./limp.yaml", "--json").json

@@ -68,3 +68,18 @@ def test_the_goal_leads_by_what_the_joint_bears() -> None:
     forward = Feedforward([DRIVE._replace(stiffness=5.0), DRIVE])  # the second is as stiff as can be
     forward.reset([0.1, 0.1])
     assert forward.step([0.1, 0.1], [0.3, 0.3], DT) == pytest.approx([0.16, 0.1])
+
+
+def test_lag_and_load_are_left_alone_where_a_robots_file_says_so() -> None:
+    drive = DRIVE._replace(friction=0.01, stiffness=8.0)
+
+    def goal(**systems: bool) -> float:
+        forward = Feedforward([drive], **systems)
+        forward.reset([0.0])
+        return forward.step([0.01], [0.4], DT)[0]
+
+    lag, load = 0.05 * 1.0 + 0.0008 * 100.0 + 0.01, 0.05
+    assert goal() == pytest.approx(0.01 + lag + load)
+    assert goal(lag=False) == pytest.approx(0.01 + load)
+    assert goal(load=False) == pytest.approx(0.01 + lag)
+    assert goal(lag=False, load=False) == pytest.approx(0.01)

@@ -33,6 +33,7 @@ def test_a_crawl_keeps_its_margin_and_tells_it_truly() -> None:
     true: list[float] = []
 
     def watch(tick: Tick) -> None:
+        assert tick.stability is not None
         if tick.state is State.WALK and tick.stability.margin is not None and tick.stability.standing:
             told.append(tick.stability.margin)
             true.append(true_margin(simulation, tick))
