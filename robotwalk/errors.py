@@ -6,6 +6,7 @@
     +-- BusError (ConnectionError) a port does not open, or a servo does not answer as it must
     +-- ServoError (RuntimeError)  a servo answers, and refuses or does not do what it was told
     +-- SafetyStop (RuntimeError)  the robot was brought to a safe pose and will not go on by itself
+        +-- Held                   somebody's `stop` holds it where it is, until `clear`
 
 Each has a builtin second parent, so that a caller may catch it without importing this module. A reply lost
 on the wire is none of these: it is ordinary, and travels in `JointState.valid` and `.age`.
@@ -44,3 +45,7 @@ class SafetyStop(RobotwalkError, RuntimeError):
     """The robot was stopped for its own safety."""
 
     exit_code = 5
+
+
+class Held(SafetyStop):
+    """Somebody told the robot to stop: it holds where it is, until it is cleared."""

@@ -29,7 +29,6 @@ from robotwalk.types import STILL, Command, FootSwitch, ImuState, JointState
 from robotwalk.walker import Walker
 
 _NS = 1_000_000_000
-_HEARTBEAT = 500_000_000  # ns without a sign of the driver before the robot slows to a stand
 
 
 class Tick(NamedTuple):
@@ -92,6 +91,8 @@ class Loop:
         self._taped: Callable[..., None] = tape.call if tape is not None else lambda name, argument=None: None
         self.period = _NS // rate_hz
         self._grid = Grid(rate_hz, after=clock.now())
+        self._missed = 0  # ticks left out before the last
+        self._slow_after = round(safety.driver.slow_after_s * _NS)
         self._paused = False
         self.armed = False
         self._goals: tuple[float, ...] = ()
@@ -103,7 +104,10 @@ class Loop:
 
     @property
     def command(self) -> Command:
-        """What the robot is to do. It lasts for half a second past the last `beat`; then the robot stands still."""
+        """What the robot is to do.
+
+        It lasts for some time past the last `beat` (`safety: driver` of the robot's file); then the robot stands still.
+        """
         return self._command
 
     @command.setter
@@ -195,7 +199,7 @@ class Loop:
         """Take over joints that hold their places, as `arm` returned them; the first tick is on the next grid point."""
         self._taped("begin")
         self._take_over(state)
-        self._grid = Grid(self.rate_hz, after=self._clock.now())
+        self._grid, self._missed = Grid(self.rate_hz, after=self._clock.now()), 0
 
     def tick(self) -> Tick:
         """Wait for the deadline and turn the cycle once."""
@@ -261,10 +265,12 @@ class Loop:
         estimate, stable = self._walker.perceive(joints, imu, switches, dt, feel=self._safety.efforts_tell)
         estimate = estimate._replace(barriers=wanted.barriers)
         command = self._command
-        if now - self._beaten_at > _HEARTBEAT:
+        if now - self._beaten_at > self._slow_after:
             command = command._replace(twist=STILL, heading=None)
         state, command, holding, news, dead = self._safety.step(
-            joints, self._goals, command, seated=wanted.seated, standing=wanted.standing)
+            joints, self._goals, command, seated=wanted.seated, standing=wanted.standing,
+            missed=self._grid.missed - self._missed)
+        self._missed = self._grid.missed
         if dead and self._regroup is not None:
             self._walker = self._regroup(dead)
             self._walker.start(joints.position, estimate.pose)

@@ -9,7 +9,7 @@ from robotwalk.barriers import Kind
 from robotwalk.behaviours import Behaviour
 from robotwalk.cycle import BusReports, Cycle, SensorReports
 from robotwalk.detour import Detour
-from robotwalk.errors import RobotwalkError, SafetyStop, UsageError
+from robotwalk.errors import Held, RobotwalkError, SafetyStop, UsageError
 from robotwalk.estimator import Estimate
 from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Tick
@@ -264,10 +264,22 @@ class Robot:
     def sit(self) -> None:
         """Step to rest, sit down, switch torque off. Does nothing to a robot that we have not armed.
 
+        As long as somebody's `stop` holds the robot it waits.
+
         Raises:
             SafetyStop: the robot was coming down for a fault, or could not sit.
         """
-        self.await_clear()
+        while True:
+            try:
+                self.await_clear()
+                self._sit()
+            except Held:
+                continue
+            break
+        self._disarm()
+
+    def _sit(self) -> None:
+        """Step to rest and sit down."""
         state = self.loop.state
         if state is State.FAULT:
             self._come_down()
@@ -277,7 +289,6 @@ class Robot:
             state = State.SIT
         if state is State.SIT:
             self._run(_LONGEST_SIT_DOWN, until=lambda tick: tick.state is State.READY, what="sit")
-        self._disarm()
 
     def await_clear(self) -> None:
         """Wait for as long as somebody's `stop` holds the robot in place; then it is on its way down, and may stand."""
@@ -347,9 +358,7 @@ class Robot:
         try:
             self.sit()
         except RobotwalkError:
-            if self.loop.state is not State.HELD:
-                raise
-            self._sit_unwatched_if_need_be()  # once it is cleared
+            raise
         except Exception as error:
             self.observers.clear()
             self.note("error", f"on the way down: {error!r}")
@@ -398,7 +407,7 @@ class Robot:
                 self._come_down()
             if tick.state is State.HELD:
                 self.note("stop", "told to stop: held in place")
-                raise SafetyStop("the robot was told to stop, and was held in place")
+                raise Held("the robot was told to stop, and was held in place")
             if until(tick):
                 return
             self._interrupts.check()

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from robotwalk.agreement import Agreement
 from robotwalk.governor import Governor
 from robotwalk.model import RobotModel
+from robotwalk.overruns import Overruns
 from robotwalk.ports import ServoBus
 from robotwalk.recovery import Recovery
 from robotwalk.stale_joints import StaleJoints
@@ -32,6 +33,7 @@ class Safety:
 
     Attributes:
         supervisor: keeps the state.
+        driver: what is done about one who is silent; the loop does it.
         efforts_tell: whether feet may be felt by what servos say of their effort: not with an empty battery, and not
             on the way down for a fault, when nothing is believed that need not be.
     """
@@ -43,9 +45,11 @@ class Safety:
         self._joints = model.joint_names
         self._limbs = [leg.name for leg in model.legs for _ in leg.joints]
         self._config = model.safety
+        self.driver = model.safety.driver
         self._lowest = model.heights.lowest
         self._stale = StaleJoints(model.safety.stale)
         self._governor = Governor(model.joint_names, model.safety.governor, bus.condition, 1.0 / rate_hz)
+        self._overruns = Overruns(model.safety.overruns, rate_hz)
         self._recovery = Recovery(model.joint_names, bus, model.safety.recovery)
         self._stuck = StuckJoints(len(model.joints), 1.0 / rate_hz)
         self._silent: dict[int, str] = {}  # joints that do not answer, and since when, in words
@@ -56,7 +60,8 @@ class Safety:
         self._eased: tuple[Command, Command] | None = None  # a command, and what is left of it
 
     def step(
-        self, joints: JointState, goals: Sequence[float], command: Command, *, seated: bool, standing: bool
+        self, joints: JointState, goals: Sequence[float], command: Command, *, seated: bool, standing: bool,
+        missed: int = 0,
     ) -> Verdict:
         """Look at what was measured, once a tick.
 
@@ -66,12 +71,14 @@ class Safety:
             command: the driver's.
             seated: whether the body is down.
             standing: whether it is up, all feet at rest.
+            missed: ticks that were left out before this one.
         """
+        late = self._overruns.step(missed)
         supervisor, governed = self.supervisor, self._governor.step()
         stale = self._stale.step(joints.age if not self._out else [
             0.0 if slot in self._out else age for slot, age in enumerate(joints.age)])
         patients, trouble = self._find(stale.silent, joints)
-        if supervisor.state in (State.FAULT, State.STOP):
+        if supervisor.state in (State.FAULT, State.STOP, State.HELD):
             patients.clear()
         stuck: tuple[int, ...] = ()
         if supervisor.state is State.WALK:
@@ -85,8 +92,8 @@ class Safety:
             if not dead:
                 trouble = trouble or next(iter(treated.lost.values()))
         state = supervisor.step(
-            trouble or governed.trouble, seated=seated, standing=standing, helping=treated.helping)
-        if state in (State.FAULT, State.STOP):
+            trouble or governed.trouble or late.trouble, seated=seated, standing=standing, helping=treated.helping)
+        if state in (State.FAULT, State.STOP, State.HELD):
             self._recovery.dismiss()
         self.efforts_tell = not governed.weak and state not in (State.FAULT, State.MEND)
         news = treated.news
@@ -95,8 +102,12 @@ class Safety:
         if dead:
             limbs = " and ".join(dict.fromkeys(self._limbs[slot] for slot in sorted(self._out)))
             news += (("legs", f"going on without {limbs}"),)
+        if late.news is not None:
+            news += (("late", late.news),)
         if governed.eased:
             command = self._ease(command)
+        elif late.slow:
+            command = command._replace(twist=_slower(command.twist, self._config.overruns.pace))
         if stale.holding and state is not State.FAULT:
             return Verdict(state, command._replace(twist=STILL, heading=None), stale.holding, news, dead)
         return Verdict(state, command, news=news, dead=dead)
@@ -143,7 +154,11 @@ class Safety:
     def _ease(self, command: Command) -> Command:
         """Return a command, slower and lower. It stays the same object while the command does."""
         if self._eased is None or self._eased[0] is not command:
-            config, twist = self._config.governor, Twist(*(self._config.governor.pace * v for v in command.twist))
+            config, twist = self._config.governor, _slower(command.twist, self._config.governor.pace)
             height = self._lowest if config.lower else command.height
             self._eased = command, command._replace(twist=twist, height=height)
         return self._eased[1]
+
+
+def _slower(twist: Twist, pace: float) -> Twist:
+    return Twist(pace * twist.vx, pace * twist.vy, pace * twist.wz)

@@ -9,12 +9,13 @@ import sys
 
 from hal.serial_transport import inherited_port
 from robotwalk.assembly.blueprint import Files, build
-from robotwalk.assembly.session import engine_of, robot_of
+from robotwalk.assembly.session import engine_of
 from robotwalk.doctor import rights
 from robotwalk.process.log_feed import LogFeed
 from robotwalk.process.mailbox import unpacked
 from robotwalk.process.messages import Brief
-from robotwalk.process.servant import PulsingClock, Servant
+from robotwalk.process.pulse import PulsingClock
+from robotwalk.process.servant import Servant
 from robotwalk.process.shared import Mailbox
 from robotwalk.realtime import (
     end_with,
@@ -47,10 +48,10 @@ def main() -> None:
         (wake, exchange, compute))
     heard = {"imu": engine.imu, "feet": engine.switches}
     with processors_awake() as awake:
-        lacking = _enter_real_time(awake)
+        missing = _enter_real_time(awake)
         Servant(
             engine.loop, engine.bus, {line: sensor for line, sensor in heard.items() if sensor is not None},
-            robot_of(blueprint, engine), clock, mailbox, brief.doorbell, lacking).serve()
+            clock, mailbox, brief.doorbell, missing, blueprint.model.safety.driver.sit_after_s).serve()
 
 
 def _enter_real_time(awake: bool) -> list[str]:

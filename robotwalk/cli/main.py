@@ -1,58 +1,45 @@
-"""The `robotwalk` command: its commands, its exit codes, and errors as one sentence each."""
+"""The `robotwalk` command: its exit codes, and errors as one sentence each."""
 
 import sys
 
-from cyclopts import App, CycloptsError
-
-import robotwalk
 from robotwalk.cli.output import abandon_stdout, complain
 from robotwalk.errors import ConfigError, RobotwalkError
-
-_EPILOGUE = (
-    "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 bad config, 4 bus or servo not found, 5 safety stop or fall, "
-    "129/130/143 after a hang-up, Ctrl-C or SIGTERM and a safe stop."
-)
-
-app = App(
-    name="robotwalk",
-    help="Walk a legged servo robot, or its simulation through the same bytes.",
-    help_epilogue=_EPILOGUE,
-    version=robotwalk.__version__,
-    suppress_keyboard_interrupt=False,
-)
-# Loaded when called: `--help` need not wait for MuJoCo.
-app.command("robotwalk.cli.walk:walk", help="Stand up, walk, stop and sit: in simulation, or on a bus.")
-app.command("robotwalk.cli.teleop:teleop", help="Drive: by keys, a gamepad, or a program.")
-app.command("robotwalk.cli.replay:replay", help="Run the loop of a log again, and compare every byte that it sends.")
-app.command("robotwalk.cli.sim:sim", help="Serve a simulated robot as a device, in real time.")
-app.command("robotwalk.cli.servo:app", name="servo", help="Look after single servos on one bus.")
-app.command("robotwalk.cli.calibrate:calibrate", help="Find out how each servo sits in its joint, by hand.")
-app.command("robotwalk.cli.check:check", help="Check a robot's files: reach, balance, bus time.")
-app.command("robotwalk.cli.doctor:doctor", help="Look at this computer, and say what mends it.")
-app.command("robotwalk.cli.service:app", name="service", help="Have this computer offer a robot after every boot.")
-app.command("robotwalk.cli.gait:app", name="gait", help="Look at a gait: in numbers, and drawn.")
-app.command("robotwalk.cli.list:app", name="list", help="List the bundled robots, servos or gaits.")
-app.command("robotwalk.cli.bench:app", name="bench", help="Measure the tick or the simulation on this computer.")
 
 
 def main() -> None:
     """Run one command and exit with its code."""
+    sys.exit(_run(sys.argv[1:]))
+
+
+def _run(words: list[str]) -> int:
     try:
-        code = app(exit_on_error=False, print_error=False, result_action="return_value")
+        if words[:1] in (["stop"], ["clear"]):
+            from robotwalk.cli.stop import main as stop  # for which nobody wants to wait
+
+            return stop(words)
+        return _run_app()
     except ConfigError as error:
         # Each line begins with file:line:column, for editors to jump there.
         sys.stderr.write(f"{error}\n")
-        code = error.exit_code
+        return error.exit_code
     except RobotwalkError as error:
         complain(str(error))
-        code = error.exit_code
-    except CycloptsError as error:
-        complain(str(error).strip())
-        code = 2
+        return error.exit_code
     except KeyboardInterrupt:
-        code = 130
+        return 130
     except BrokenPipeError:
         # Whoever read our output has had enough of it.
         abandon_stdout()
-        code = 1
-    sys.exit(code or 0)
+        return 1
+
+
+def _run_app() -> int:
+    from cyclopts import CycloptsError
+
+    from robotwalk.cli.app import app
+
+    try:
+        return app(exit_on_error=False, print_error=False, result_action="return_value") or 0
+    except CycloptsError as error:
+        complain(str(error).strip())
+        return 2

@@ -50,9 +50,39 @@ class RecoveryConfig(Section):
     walk_on_with_legs: Annotated[int, Field(ge=5)] | None = 5  # so many left; None: never without one of them
 
 
+class DriverConfig(Section):
+    """What is done about a driver of whom nothing is heard: the robot slows to a stand, then it sits."""
+
+    slow_after_s: Positive = 0.5
+    sit_after_s: Positive = 10.0
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.slow_after_s >= self.sit_after_s:
+            raise ValueError("slow_after_s should be below sit_after_s")
+        return self
+
+
+class OverrunsConfig(Section):
+    """What is done about a computer that keeps no time, by the share of its last ticks that were left out."""
+
+    window_s: Annotated[float, Field(ge=0.1, le=60)] = 2.0
+    slow_share: Annotated[float, Field(gt=0, le=1)] = 0.2
+    sit_share: Annotated[float, Field(gt=0, le=1)] = 0.5
+    pace: Annotated[float, Field(gt=0, le=1)] = 0.5  # of the commanded speed, while it is slowed
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.slow_share >= self.sit_share:
+            raise ValueError("slow_share should be below sit_share")
+        return self
+
+
 class SafetyConfig(Section):
     """All of it."""
 
     stale: StaleConfig = StaleConfig()
     governor: GovernorConfig = GovernorConfig()
     recovery: RecoveryConfig = RecoveryConfig()
+    driver: DriverConfig = DriverConfig()
+    overruns: OverrunsConfig = OverrunsConfig()

@@ -7,64 +7,53 @@
 """
 
 import os
-import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from robotwalk.clock import WallClock
 from robotwalk.cycle import SensorReports
 from robotwalk.errors import RobotwalkError, UsageError
 from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Loop, Tick
-from robotwalk.ports import BytePort, ServoBus
+from robotwalk.ports import ServoBus
 from robotwalk.process.mailbox import packed, unpacked
 from robotwalk.process.messages import Answer, Call, Orders, Report, Status
-from robotwalk.process.shared import Mailbox, Pulse, Stop
-from robotwalk.robot import Robot
+from robotwalk.process.pulse import PulsingClock
+from robotwalk.process.shared import Mailbox, Stop
 from robotwalk.supervisor import Request, State
-from robotwalk.types import JointState
+from robotwalk.types import Command, JointState
 
 _NS = 1_000_000_000
 _IDLE = 5_000_000  # ns between looks into the mailbox while torque is off
 _NEWS = 0.5  # s between two statuses
-_ABANDONED = 10.0  # s without a sign of the driver before the robot sits down
-
-
-class PulsingClock(WallClock):
-    """The wall's clock, of a loop that shows a sign of life wherever it waits."""
-
-    def __init__(self, mailbox: Mailbox) -> None:
-        self._mailbox = mailbox
-        self.armed = False  # torque is on, or coming
-
-    def wait(self, ports: Sequence[BytePort], deadline: int) -> None:
-        """Return once a port has bytes to read or `deadline` has come; sleep meanwhile."""
-        self._mailbox.beat(Pulse(time.monotonic_ns(), self.armed))
-        super().wait(ports, deadline)
+_LONGEST_SIT_DOWN = 20.0  # s
+_UP = (State.STAND, State.WALK, State.MEND)
 
 
 class Servant:
     """Serves until it is told to end, or has brought the robot down."""
 
     def __init__(
-        self, loop: Loop, bus: ServoBus, sensors: Mapping[str, SensorReports], robot: Robot, clock: PulsingClock,
-        mailbox: Mailbox, doorbell: int, lacking: Sequence[str],
+        self, loop: Loop, bus: ServoBus, sensors: Mapping[str, SensorReports], clock: PulsingClock, mailbox: Mailbox,
+        doorbell: int, lacking: Sequence[str], abandoned: float,
     ) -> None:
         """Join the parts.
 
         Args:
             loop, bus, sensors: what is served; the sensors by the names of their lines.
-            robot: it again, as a driver has it: to sit down without one.
             clock: the loop's.
             mailbox: shared with the driver.
             doorbell: an eventfd to ring after each tick.
             lacking: what there is no right to, in words.
+            abandoned: s without a sign of the driver after which the robot sits down.
         """
-        self._loop, self._bus, self._sensors, self._robot = loop, bus, sensors, robot
+        self._loop, self._bus, self._sensors = loop, bus, sensors
         self._clock, self._mailbox, self._doorbell, self._lacking = clock, mailbox, doorbell, tuple(lacking)
-        self._held = JointState((), (), (), (), ())  # as armed
+        self._abandoned = abandoned
+        self._armed = JointState((), (), (), (), ())  # the joints, as armed
         self._runs = False  # the loop goes round
+        self._leaving: str | None = None  # why the robot sits down without its driver
+        self._sit_by = 0
         self._ended: str | None = None
         self._doubtful: list[str] = []
         self._away = True  # the driver; it need not beat
@@ -73,7 +62,6 @@ class Servant:
         self._news_at = 0
         self._ticks = 0
         self._interrupts = Interrupts()
-        robot.observers.append(self._show)
 
     def serve(self) -> None:
         """Serve. Whatever is wrong with the loop itself comes out as an exception: the guardian will see to it."""
@@ -89,6 +77,8 @@ class Servant:
             elif self._ended is None:
                 self._clock.wait((), self._clock.now() + _IDLE)
                 self._clock.armed = self._loop.armed
+            if self._leaving is not None and self._ended is None:
+                self._go_down(self._leaving)
             if self._clock.now() >= self._news_at:
                 self._tell()
         self._clock.armed = False
@@ -98,7 +88,7 @@ class Servant:
     def _listen(self) -> None:
         """Heed what has come."""
         self._heed_stops()
-        if self._is_new("command"):
+        if self._leaving is None and self._is_new("command"):
             orders = self._read("command")
             if isinstance(orders, Orders):
                 self._away = orders.away
@@ -108,19 +98,23 @@ class Servant:
             call = self._read("call")
             if isinstance(call, Call):
                 self._answer(self._numbers["call"], call)
+        self._listen_for_life()
+
+    def _listen_for_life(self) -> None:
+        """Look whether anybody drives."""
+        try:
+            self._interrupts.check()
+        except (KeyboardInterrupt, SystemExit):
+            self._leave("the loop's process was told to end: the robot sat down")
+        mailbox = self._mailbox
         if self._is_new("guardian" if self._away else "driver"):
-            self._numbers["guardian"], self._numbers["driver"] = (
-                self._mailbox.guardian.number, self._mailbox.driver.number)
+            self._numbers["guardian"], self._numbers["driver"] = mailbox.guardian.number, mailbox.driver.number
             self._heard = self._clock.now()
             self._loop.beat()
         elif not self._loop.armed:
             self._heard = self._clock.now()
-        elif self._clock.now() - self._heard > _ABANDONED * _NS and self._loop.state is not State.HELD:
-            self._sit(f"nobody drove the robot for {_ABANDONED:.0f} s: it sat down")
-        try:
-            self._interrupts.check()
-        except (KeyboardInterrupt, SystemExit):
-            self._sit("the loop's process was told to end: the robot sat down")
+        elif self._clock.now() - self._heard > self._abandoned * _NS:
+            self._leave(f"nobody drove the robot for {self._abandoned:g} s: it sat down")
 
     def _is_new(self, slot: str) -> bool:
         number: int = getattr(self._mailbox, slot).number
@@ -137,19 +131,37 @@ class Servant:
         found = self._mailbox.stop_after(self._numbers["stop"])
         if found is None:
             return
-        self._numbers["stop"], stop = found
-        match stop:
-            case Stop.HOLD:
-                self._loop.hold()
-            case Stop.CLEAR:
-                self._loop.clear()
-            case Stop.SIT:
-                self._loop.clear()
-                self._sit("told to stop: the robot sat down")
-            case Stop.LIMP:
-                self._disarm()
-                self._end("told to stop: its torque was switched off at once")
-        self._mailbox.heed.write(b"", self._numbers["stop"])
+        number, stop = found
+        self._numbers["stop"] = number
+        self._mailbox.heed.write(self._heed(stop).encode()[:400], number)
+
+    def _heed(self, stop: Stop) -> str:
+        """Do what somebody tells the robot, and return what that is, in words that follow its name."""
+        loop = self._loop
+        if stop is Stop.LIMP:
+            self._disarm()
+            self._end("told to stop: its torque was switched off at once")
+            return f"has its torque off{self._doubt}"
+        if not loop.armed:
+            if stop is Stop.SIT:
+                self._end("told to stop: its torque was off already")
+            return "has its torque off already"
+        if stop is Stop.HOLD:
+            loop.hold()
+            return "holds where it is; `robotwalk clear` lets it sit down, `robotwalk stop --limp` lets go"
+        if stop is Stop.CLEAR and loop.state is not State.HELD:
+            return "is not held"
+        if stop is Stop.CLEAR and self._bus.alerts:
+            told = "; ".join(f"the servo of {joint} {words}" for joint, words in self._bus.alerts.items())
+            return f"stays held, for {told}; `robotwalk stop --sit` lets it down all the same"
+        loop.clear()
+        if stop is Stop.SIT:
+            self._leave("told to stop: the robot sat down")
+        return "sits down"
+
+    @property
+    def _doubt(self) -> str:
+        return f", but it may still be on at {', '.join(self._doubtful)}: cut the power" if self._doubtful else ""
 
     def _answer(self, number: int, call: Call) -> None:
         """Do what the driver asks for, and tell what came of it."""
@@ -169,11 +181,11 @@ class Servant:
             case Call("request", str(name)):
                 self._loop.request(Request(name))
             case Call("arm", float(torque)):
-                self._clock.armed = True
-                self._held = self._loop.arm(torque)
-                return self._held
+                with self._clock.arming():
+                    self._armed = self._loop.arm(torque)
+                return self._armed
             case Call("begin"):
-                self._loop.begin(self._held)
+                self._loop.begin(self._armed)
                 self._runs = True
             case Call("disarm"):
                 self._disarm()
@@ -192,19 +204,29 @@ class Servant:
         if self._loop.armed:
             self._doubtful = self._loop.disarm()
 
+    def _leave(self, why: str) -> None:
+        """Have the robot sit down without its driver; then its torque goes off, and this ends."""
+        if self._leaving is None:
+            self._leaving = why
+            self._sit_by = self._clock.now() + round(_LONGEST_SIT_DOWN * _NS)
+
+    def _go_down(self, why: str) -> None:
+        loop, now = self._loop, self._clock.now()
+        if loop.state is State.HELD:  # until somebody clears it
+            self._sit_by = now + round(_LONGEST_SIT_DOWN * _NS)
+        elif loop.state in _UP:
+            loop.command = Command()
+            loop.request(Request.SIT)
+        elif not loop.armed or loop.state is State.READY:
+            self._disarm()
+            self._end(why)
+        elif now > self._sit_by:
+            self._disarm()
+            self._end(f"{why.partition(':')[0]}: the robot could not sit within {_LONGEST_SIT_DOWN:.0f} s")
+
     def _end(self, why: str) -> None:
         self._ended = why
         self._runs = False
-
-    def _sit(self, why: str) -> None:
-        """Sit down without a driver, switch torque off, and end."""
-        if self._loop.armed:
-            try:
-                self._robot.close()
-            except RobotwalkError as error:
-                why = f"{why} ({error})"
-            self._doubtful = self._robot.doubtful
-        self._end(why)
 
     def _show(self, tick: Tick) -> None:
         """Let everybody see a tick."""

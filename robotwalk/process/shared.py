@@ -22,7 +22,7 @@ _TICKS = 128  # that a reader may fall behind
 _HISTOGRAM = 8 * 821  # bytes; `robotwalk.timing.HISTOGRAM_SIZE`
 # Bytes of each part. The log's pages are only used where a run is recorded.
 _LAYOUT = {
-    "about": 512, "stop": 64, "heed": 64, "command": 2048, "call": 1024, "driver": 64, "guardian": 64, "pulse": 64,
+    "about": 512, "stop": 64, "heed": 512, "command": 2048, "call": 1024, "driver": 64, "guardian": 64, "pulse": 64,
     "answer": 65536, "status": 65536, "telemetry": _TICKS * 16384, "histograms": 3 * _HISTOGRAM, "log": 1 << 23}
 _PULSE = struct.Struct("<QB")
 _STOP = struct.Struct("<B")
@@ -56,7 +56,7 @@ class Mailbox:
             begin += size
         self.about = Slot(places["about"])
         self.stop = Slot(places["stop"])
-        self.heed = Slot(places["heed"])  # the number of the newest stop that the loop has heeded
+        self.heed = Slot(places["heed"])  # the newest stop's number once the loop has heeded it, and what it did
         self.command = Slot(places["command"])
         self.call = Slot(places["call"])
         self.driver = Slot(places["driver"])  # its beat
