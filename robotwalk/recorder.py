@@ -41,9 +41,9 @@ class Row(NamedTuple):
     joints: JointState
     odometry: Pose
     stability: Stability | None
-    wake: int  # ns late at the start
-    bus: int  # ns in the exchange, and with the sensors
-    tick: int  # ns of computing
+    wake: int | None = None  # ns late at the start; None: not told
+    bus: int = 0  # ns in the exchange, and with the sensors
+    tick: int = 0  # ns of computing
     imu: ImuState | None = None
     switches: tuple[FootSwitch, ...] = ()
 
@@ -104,6 +104,10 @@ class Recorder:
         """Take a row, or steps of the tape, of a loop that runs elsewhere."""
         self._queue.put(item)
 
+    def show(self, row: Row) -> None:
+        """Take a tick's row for people, and nothing that a replay needs."""
+        self._queue.put(row)
+
     def event(self, time: int, event: Event) -> None:
         """Take an event, at `time` ns."""
         self._queue.put((time, event))
@@ -156,6 +160,8 @@ class Recorder:
         if row.switches:
             closed, age = zip(*((switch.closed, _finite(switch.age)) for switch in row.switches), strict=True)
             self._write("foot_switches", row.time, {"closed": closed, "age": age})
+        if row.wake is None:
+            return
         timing = {"wake_us": row.wake / 1e3, "bus_us": row.bus / 1e3, "tick_us": row.tick / 1e3}
         self._write("timing", row.time, timing)
 

@@ -7,6 +7,7 @@ from typing import NamedTuple, Self
 
 from robotwalk.barriers import Kind
 from robotwalk.behaviours import Behaviour
+from robotwalk.black_box import BlackBox
 from robotwalk.cycle import BusReports, Cycle, SensorReports
 from robotwalk.detour import Detour
 from robotwalk.errors import Held, RobotwalkError, SafetyStop, UsageError
@@ -33,6 +34,7 @@ from robotwalk.types import (
 
 _LONGEST_STAND_UP = 15.0  # s; so long as this, something blocks it
 _LONGEST_SIT_DOWN = 20.0  # s, the last steps included
+_STOPS = ("safety_stop", "stop", "timeout")  # events after which the black box is saved
 _BARRED: Mapping[Kind, str] = {
     "edge": "a foot found no ground ahead: stopped",
     "obstacle": "feet cannot step over what holds them back: stopped"}
@@ -89,6 +91,7 @@ class Robot:
         model, gaits, loop, events: what it is made of, and what has happened.
         observers: called with every tick.
         frozen: whether it was left with torque on.
+        black_box: what keeps the last minute, and is saved when the robot stops for its safety; None: nothing does.
         doubtful: joints at which torque may still be on though it was switched off.
     """
 
@@ -123,6 +126,7 @@ class Robot:
         self._last: Tick | None = None
         self._entered = False
         self.frozen = False
+        self.black_box: BlackBox | None = None
         self.doubtful: list[str] = []
 
     def __enter__(self) -> Self:
@@ -326,6 +330,8 @@ class Robot:
         self.events.append(event)
         if self._recorder is not None:
             self._recorder.event(self._last.time if self._last else 0, event)
+        if kind in _STOPS and self.black_box is not None:
+            self.note("black_box", self.black_box.save(text, self.events))
 
     def close(self) -> None:
         """Sit down if need be, switch torque off, give the ports back. A Ctrl-C meanwhile freezes the robot."""
@@ -424,6 +430,8 @@ class Robot:
         except SafetyStop as error:
             self.note("safety_stop", str(error))
             raise
+        if self.black_box is not None:
+            self.black_box.add(tick, self.loop.command)
         for kind, text in tick.news:
             self.note(kind, text)
         barred = tick.wanted.barred

@@ -72,7 +72,7 @@ class Supervisor:
     @property
     def low(self) -> bool:
         """Whether the body is down, or on its way there or back, for something that was found."""
-        return self.state in (State.MEND, State.FAULT) or self._resumes is not None
+        return self.state is State.MEND or self.fault is not None or self._resumes is not None
 
     def request(self, request: Request) -> None:
         """Change the state as asked.

@@ -16,6 +16,7 @@ from robotwalk.assembly.own_device import own_device as own_device
 from robotwalk.assembly.session import RATE_HZ as RATE_HZ
 from robotwalk.assembly.session import LocalSession as LocalSession
 from robotwalk.assembly.session import Session as Session
+from robotwalk.assembly.session import add_black_box as add_black_box
 from robotwalk.assembly.session import check_rate as check_rate
 from robotwalk.assembly.simulated import FLAT as FLAT
 from robotwalk.assembly.simulated import Simulation as Simulation

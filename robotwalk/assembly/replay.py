@@ -31,6 +31,10 @@ def replay(path: Path) -> Replay:
         ConfigError: this version does not take the files that are in it.
     """
     with Log(path) as log:
+        if "black_box" in log.about:
+            raise UsageError(
+                f"{path} is a black box ({log.about['black_box']}): it has no bytes to replay; PlotJuggler and "
+                "Foxglove show what is in it")
         blueprint = build(Files.parse(log.files))
         rate_hz = _rate(log, path)
         playback = Playback(log.steps())

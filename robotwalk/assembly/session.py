@@ -14,6 +14,7 @@ from hal.protocols import protocol_of
 from hal.servo_bus import SerialServoBus
 from hal.servo_line import ServoLine
 from robotwalk.assembly.blueprint import LIMP, Blueprint
+from robotwalk.black_box import BlackBox, folder
 from robotwalk.contact import FootSense
 from robotwalk.controller import Controller
 from robotwalk.errors import UsageError
@@ -77,12 +78,29 @@ def open_log(
     """
     if log is None:
         return None
-    head = {
-        "robot": blueprint.model.name, "robotwalk": robotwalk.__version__, "python": platform.python_version(),
-        "rate_hz": str(rate_hz), **about}
     return Recorder(
-        log, blueprint.model.joint_names, head, buses=tuple(blueprint.lines),
+        log, blueprint.model.joint_names, {**head_of(blueprint, rate_hz), **about}, buses=tuple(blueprint.lines),
         files={**blueprint.files.texts(), **(more or {})})
+
+
+def head_of(blueprint: Blueprint, rate_hz: int) -> dict[str, str]:
+    """Return what goes into the head of every log."""
+    return {
+        "robot": blueprint.model.name, "robotwalk": robotwalk.__version__, "python": platform.python_version(),
+        "rate_hz": str(rate_hz)}
+
+
+def add_black_box(session: Session, where: Path | None = None) -> None:
+    """Have the last minute of a session kept, and saved to a folder when its robot stops for its safety.
+
+    Args:
+        session: not begun yet.
+        where: the folder; None: that of the user's state, `robotwalk.black_box.folder`.
+    """
+    blueprint, robot = session.blueprint, session.robot
+    robot.black_box = BlackBox(
+        where or folder(), head_of(blueprint, robot.loop.rate_hz), blueprint.files.texts(),
+        blueprint.model.joint_names, robot.loop.rate_hz)
 
 
 def bus_of(blueprint: Blueprint, clock: Clock, ports: Mapping[str, BytePort]) -> SerialServoBus:

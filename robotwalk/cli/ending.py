@@ -15,7 +15,8 @@ def run_to_end(robot: Robot, run: Callable[[], None]) -> tuple[int, str | None]:
     try:
         run()
     except SafetyStop as error:
-        return error.exit_code, str(error)
+        saved = [event.text for event in robot.events if event.kind == "black_box"]
+        return error.exit_code, "; ".join([str(error), *saved[-1:]])
     except KeyboardInterrupt:
         return 130, f"interrupted; the robot {ended_as(robot)}"
     except SystemExit as stop:

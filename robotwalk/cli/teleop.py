@@ -133,6 +133,7 @@ def teleop(
             ports, page = device.ports, device.page
         session = assembly.connect(
             blueprint, ports, real=real, rate_hz=rate, log=log, torque=HANGING if hang else 1.0)
+        assembly.add_black_box(session)
         _say_ready(devices, page, json)
         drive = Drive(
             session.robot, Bridge(devices, check), show, f"see it at {page}" if page else "", seated=seated)

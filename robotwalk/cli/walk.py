@@ -43,6 +43,7 @@ def walk(
     real: Annotated[bool, Flag] = False,
     hang: Annotated[bool, Flag] = False,
     log: Path | None = None,
+    black_box: Path | None = None,
     gif: Path | None = None,
     view: Annotated[bool, Flag] = False,
     json: Annotated[bool, Flag] = False,
@@ -92,6 +93,9 @@ def walk(
         For the first motion, on a stand with the feet off the ground: a third of the torque.
     log
         Record every tick to this MCAP file, for PlotJuggler or Foxglove.
+    black_box
+        Where the last minute goes if the robot stops for its safety, a folder. Default: that of the user's state,
+        ~/.local/state/robotwalk.
     gif
         Leave an animated picture of the walk here.
     view
@@ -135,6 +139,7 @@ def walk(
     else:
         session = assembly.simulate(
             blueprint, rate_hz=rate, seed=seed, log=log, faults=faults or (), terrain=terrain or assembly.FLAT)
+    assembly.add_black_box(session, black_box)
     outing = Outing(session, plan, film=gif is not None, view=view)
     code = _go(session, outing)
     code = _tell(outing.report(), json, code)

@@ -1,6 +1,7 @@
 """The command line as a user runs it: a process, its output, its exit code."""
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -33,7 +34,8 @@ def robotwalk(tmp_path: Path) -> Run:
 
     def run(*words: str) -> Result:
         done = subprocess.run(
-            [*COMMAND, *words], capture_output=True, text=True, cwd=tmp_path, stdin=subprocess.DEVNULL, check=False)
+            [*COMMAND, *words], capture_output=True, text=True, cwd=tmp_path, stdin=subprocess.DEVNULL, check=False,
+            env={**os.environ, "XDG_STATE_HOME": str(tmp_path / "state")})
         assert "Traceback" not in done.stderr
         return Result(done.returncode, done.stdout, done.stderr)
 
