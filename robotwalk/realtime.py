@@ -31,8 +31,8 @@ def raise_priority(priority: int = LOOP_PRIORITY) -> bool:
     return True
 
 
-def pin() -> None:
-    """Keep this process on one processor, the last that it may use: the first ones get most interrupts.
+def own_processor() -> int:
+    """Return the processor that a loop takes, the last that it may use: the first ones get most interrupts.
 
     One that was isolated, on which Linux runs nothing of its own accord, comes before all others.
     """
@@ -41,9 +41,13 @@ def pin() -> None:
             isolated = processors(file.read())
     except OSError:
         isolated = []
-    usable = isolated or os.sched_getaffinity(0)
+    return max(isolated or os.sched_getaffinity(0))
+
+
+def pin() -> None:
+    """Keep this process on a processor of its own."""
     with contextlib.suppress(OSError):  # isolated ones may be for others alone
-        os.sched_setaffinity(0, {max(usable)})
+        os.sched_setaffinity(0, {own_processor()})
 
 
 def processors(text: str) -> list[int]:

@@ -45,6 +45,11 @@ class Histogram:
             counts[_BUCKETS] = nanoseconds
         counts[min(bisect_right(self._EDGES, us), _BUCKETS) - 1 if us > 0.0 else 0] += 1
 
+    @property
+    def count(self) -> int:
+        """How many durations were counted."""
+        return sum(self._counts[:_BUCKETS])
+
     def clear(self) -> None:
         """Begin anew."""
         for index in range(len(self._counts)):

@@ -12,6 +12,8 @@ from robotwalk.assembly.blueprint import supply_load as supply_load
 from robotwalk.assembly.bus_bench import measure_bus as measure_bus
 from robotwalk.assembly.connected import attach as attach
 from robotwalk.assembly.connected import connect as connect
+from robotwalk.assembly.loop_bench import LoopFigures as LoopFigures
+from robotwalk.assembly.loop_bench import measure_loop as measure_loop
 from robotwalk.assembly.own_device import own_device as own_device
 from robotwalk.assembly.session import RATE_HZ as RATE_HZ
 from robotwalk.assembly.session import LocalSession as LocalSession

@@ -3,29 +3,20 @@
 One thread, which does nothing but this loop: no file is written, nothing logged, no garbage collected.
 """
 
-import gc
 import os
 import sys
 
 from hal.serial_transport import inherited_port
 from robotwalk.assembly.blueprint import Files, build
+from robotwalk.assembly.real_time import enter_real_time
 from robotwalk.assembly.session import engine_of
-from robotwalk.doctor import rights
 from robotwalk.process.log_feed import LogFeed
 from robotwalk.process.mailbox import unpacked
 from robotwalk.process.messages import Brief
 from robotwalk.process.pulse import PulsingClock
 from robotwalk.process.servant import Servant
 from robotwalk.process.shared import Mailbox
-from robotwalk.realtime import (
-    end_with,
-    lock_memory,
-    name_process,
-    pin,
-    processors_awake,
-    raise_priority,
-    sharpen_timers,
-)
+from robotwalk.realtime import end_with, name_process, processors_awake
 from robotwalk.timing import Histogram
 
 
@@ -48,21 +39,10 @@ def main() -> None:
         (wake, exchange, compute))
     heard = {"imu": engine.imu, "feet": engine.switches}
     with processors_awake() as awake:
-        missing = _enter_real_time(awake)
+        missing = enter_real_time(awake)
         Servant(
             engine.loop, engine.bus, {line: sensor for line, sensor in heard.items() if sensor is not None},
             clock, mailbox, brief.doorbell, missing, blueprint.model.safety.driver.sit_after_s).serve()
-
-
-def _enter_real_time(awake: bool) -> list[str]:
-    """Keep whatever else this computer does from this process, as far as there is the right to; return what lacks."""
-    gc.collect()
-    gc.freeze()
-    gc.disable()  # nothing in a tick makes cycles
-    sharpen_timers()
-    pin()
-    had = {rights.FIRST: raise_priority(), rights.MEMORY: lock_memory(), rights.AWAKE: awake}
-    return rights.lacking([right for right, there in had.items() if not there])
 
 
 if __name__ == "__main__":

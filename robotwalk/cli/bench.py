@@ -12,7 +12,7 @@ from robotwalk.errors import UsageError
 from robotwalk.loop import Tick
 from robotwalk.robot import LONGEST_WALK, Robot
 
-app = App(name="bench", help="Measure the tick, the bus, the simulation or a robot on the courses.")
+app = App(name="bench", help="Measure the tick, the loop, the bus, the simulation or a robot on the courses.")
 app.command(course)
 
 _STANDING_UP_S = 3.0  # roughly; only the progress line relies on it
@@ -119,6 +119,57 @@ def bus(
     if figures.reference:
         name, pace = figures.reference
         say(f"  {name}: {1e3 * pace.p50:.2f} ms, and {1e6 * pace.cpu:.0f} us of processor time")
+
+
+@app.command
+def loop(
+    robot: str = "hexapod", /, *, rate: int = assembly.RATE_HZ, seconds: float = 20.0,
+    busy: Annotated[bool, Parameter(negative="")] = False, json: Json = False,
+) -> None:
+    """Time the whole loop, walking a simulated robot in another process over terminals with the wire's timing.
+
+    Beside it, half before and half after, a bare exchange of the same bytes, and cyclictest where it is installed
+    (Debian: rt-tests), both at the loop's priority on its processor.
+
+    Parameters
+    ----------
+    robot
+        A bundled name or a YAML file.
+    rate
+        Ticks per second.
+    seconds
+        How long to walk, and how long to measure each of the others.
+    busy
+        Have another process compute all the time meanwhile.
+    """
+    with progress_line() as progress:
+        figures = assembly.measure_loop(robot, rate_hz=rate, seconds=seconds, busy=busy, progress=progress)
+    cyclic, bare = figures.cyclictest, figures.bare
+    share, bare_share = figures.missed / figures.ticks, bare.missed / bare.ticks
+    if json:
+        write_json({
+            "robot": robot, "rate_hz": rate, "seconds": seconds, "busy": busy, "ticks": figures.ticks,
+            "missed": figures.missed, "missed_fraction": round(share, 6), "lost_replies": figures.lost_replies,
+            "wake_us": figures.wake._asdict(), "tick_us": figures.compute._asdict(),
+            "bus_us": figures.exchange._asdict(),
+            "reference": {
+                "cyclictest": None if cyclic is None else cyclic._asdict(),
+                "bare_exchange": {
+                    "missed": bare.missed, "ticks": bare.ticks, "missed_fraction": round(bare_share, 6),
+                    "wake_us": bare.wake._asdict()}},
+            "lacking": list(figures.lacking), "load": round(figures.load, 2)})
+        return
+    wake = figures.wake
+    say(f"{robot} at {rate} Hz: {figures.missed} of {figures.ticks} ticks missed ({share:.2%}); a bare exchange misses "
+        f"{bare_share:.2%}")
+    say(f"  awake {wake.p50:.0f} us late (p99 {wake.p99:.0f} us, p99.9 {wake.p999:.0f} us, at most {wake.max:.0f} us)")
+    if cyclic is not None:
+        say(f"  cyclictest: {cyclic.p50:.0f} us (p99 {cyclic.p99:.0f} us, at most {cyclic.max:.0f} us)")
+    bus, rest = figures.exchange, figures.compute
+    say(f"  bus {bus.p50:.0f} us (p99 {bus.p99:.0f} us), all else {rest.p50:.0f} us (p99 {rest.p99:.0f} us), "
+        f"{figures.lost_replies} replies lost; load {figures.load:.1f}")
+    for sentence in figures.lacking:
+        say(f"  {sentence}")
 
 
 def _walk(robot: Robot, seconds: float) -> tuple[float, int]:
