@@ -40,7 +40,7 @@ def test_its_section_is_understood_and_its_table_is_whole(tmp_path: Path) -> Non
     robot.write_text(library.open_document("robots", "hexapod").text.replace("hardware:\n", f"hardware:\n{section}"))
     config = assembly.load(str(robot)).hardware.foot_switches
     assert config is not None
-    rows = dict(re.findall(r"^\| `(\w+)` \| ([^|]*) \|", PAGE, re.MULTILINE))
+    rows = dict(re.findall(r"^\| `(\w+)` \| ([^|]*) \|", PAGE.partition("\n## What")[0], re.MULTILINE))
     assert set(rows) == set(FootSwitchConfig.model_fields)
     for key in ("baud", "rate_hz", "stale_after_s", "closes_at_n"):
         assert float(rows[key]) == getattr(config, key)
