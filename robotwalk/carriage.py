@@ -19,7 +19,7 @@ from robotwalk.types import LEVEL, Pose, Vec3
 USUAL_ROOM = 0.55  # of its largest stride, that a foot may be from rest; half in a steady gait
 MOST_ROOM = 0.85  # of it, at the most
 _LEAST_ROOM = 0.3  # of it, that a posture must leave
-_SPARES = tuple(math.radians(degrees) for degrees in (4.0, 2.0, 1.0, 0.0))  # to a joint's limit: servos overshoot
+_SPARES = tuple(math.radians(degrees) for degrees in (5.0, 3.0, 1.0, 0.0))  # to a joint's limit: servos overshoot
 _MISS = 1e-4  # m
 _DIRECTIONS = tuple((math.cos(k * math.tau / 6), math.sin(k * math.tau / 6)) for k in range(6))
 _NEAR_ENOUGH = 1.0 / 16.0  # of a way

@@ -1,10 +1,11 @@
 """Random command sequences, judged by MuJoCo's truth: `python -m tests.walk.soak [ROBOT ...] [--count N] ...`.
 
 Progress goes to stderr; a line for each violation, with the command that repeats it, and a summary to stdout. The exit
-code is 1 if anything was violated.
+code is 1 if anything was violated. Ctrl-C and SIGTERM end it early, with a summary of what was run.
 """
 
 import argparse
+import signal
 import sys
 import time
 from collections.abc import Iterator, Sequence
@@ -27,32 +28,43 @@ def main() -> int:
     unknown = [robot for robot in arguments.robots if robot not in BOUNDS]
     if unknown:
         parser.error(f"no bounds for {', '.join(unknown)}; there are some for {', '.join(BOUNDS)}")
-    violated = False
-    for robot in arguments.robots:
-        seeds = range(arguments.first_seed, arguments.first_seed + arguments.count)
-        outcomes = []
-        for outcome in _progress(robot, seeds, arguments.jobs):
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    seeds = range(arguments.first_seed, arguments.first_seed + arguments.count)
+    sound = [_soak(robot, seeds, arguments.jobs) for robot in arguments.robots]
+    return 0 if all(sound) else 1
+
+
+def _soak(robot: str, seeds: Sequence[int], jobs: int) -> bool:
+    """Run a robot's sequences, report, and return whether all was well."""
+    outcomes: list[Outcome] = []
+    sound = True
+    try:
+        for outcome in _progress(robot, seeds, jobs):
             outcomes.append(outcome)
             for complaint in violations(outcome):
-                violated = True
+                sound = False
                 _say(f"{robot} seed {outcome.seed}: {complaint}; again: "
                      f"python -m tests.walk.soak {robot} --first-seed {outcome.seed} --count 1")
-            if arguments.count == 1:
+            if len(seeds) == 1:
                 _tell(outcome)
-        text, bad = summary(robot, outcomes)
-        violated = violated or bad
-        _say(text)
-    return 1 if violated else 0
+    finally:
+        if outcomes:
+            text, little_slip = summary(robot, outcomes)
+            _say(text)
+    return sound and little_slip
 
 
 def _progress(robot: str, seeds: Sequence[int], jobs: int) -> Iterator[Outcome]:
     began = time.monotonic()
-    with ProcessPoolExecutor(jobs) as pool:
+    pool = ProcessPoolExecutor(jobs, initializer=signal.signal, initargs=(signal.SIGTERM, signal.SIG_DFL))
+    try:
         for done, outcome in enumerate(pool.map(run, [robot] * len(seeds), seeds), 1):
             sys.stderr.write(f"\r{robot}: {done} of {len(seeds)} in {time.monotonic() - began:.0f} s ")
             sys.stderr.flush()
             yield outcome
-    sys.stderr.write("\n")
+        sys.stderr.write("\n")
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _tell(outcome: Outcome) -> None:

@@ -33,7 +33,7 @@ def slip(outcomes: Sequence[Outcome], share: float) -> float:
 
 
 def summary(robot: str, outcomes: Sequence[Outcome]) -> tuple[str, bool]:
-    """Return the figures of all sequences of a robot, in words, and whether their slip was too large."""
+    """Return the figures of all sequences of a robot, in words, and whether they slipped as little as they should."""
     p95, bound = slip(outcomes, 0.95), BOUNDS[robot]
     steps = sum(len(outcome.slips) for outcome in outcomes)
     far = max((step.distance, outcome.seed, step.time) for outcome in outcomes for step in outcome.slips)
@@ -50,7 +50,7 @@ def summary(robot: str, outcomes: Sequence[Outcome]) -> tuple[str, bool]:
         f"  joints: {sum(outcome.joint.value > 0.0 for outcome in outcomes)} sequences with one beyond its limit, "
         f"the farthest {math.degrees(joint.joint.value):.1f} deg (seed {joint.seed}, {joint.joint.where})\n"
         f"  fastest target of a foot {speed.speed.value:.2f} m/s (seed {speed.seed}), bound {speed.speed_bound:.2f}; "
-        f"largest tilt {math.degrees(tilt.tilt.value):.0f} deg (seed {tilt.seed})"), p95 > bound
+        f"largest tilt {math.degrees(tilt.tilt.value):.0f} deg (seed {tilt.seed})"), p95 < bound
 
 
 def _listed(seeds: Sequence[int]) -> str:
