@@ -21,6 +21,7 @@ MOST_ROOM = 0.85  # of it, at the most
 _LEAST_ROOM = 0.3  # of it, that a posture must leave
 _SPARES = tuple(math.radians(degrees) for degrees in (5.0, 3.0, 1.0, 0.0))  # to a joint's limit: servos overshoot
 _MISS = 1e-4  # m
+_NO_SWAY = 1e-3  # m
 _DIRECTIONS = tuple((math.cos(k * math.tau / 6), math.sin(k * math.tau / 6)) for k in range(6))
 _NEAR_ENOUGH = 1.0 / 16.0  # of a way
 _MARGIN = 0.025  # m inside the feet that a posture must leave the centre of mass, where there was so much
@@ -57,8 +58,8 @@ class Bearable:
         self._sway = 0.0  # m
         self._sways: dict[Gait, float] = {}
         # A robot that has less room at rest is as it is.
-        start = self._now._replace(room=_LEAST_ROOM)
-        self._spare = next((spare for spare in _SPARES if self._reaches(start, spare)), -math.inf)
+        self._start = self._now._replace(room=_LEAST_ROOM)
+        self._spare = next((spare for spare in _SPARES if self._reaches(self._start, spare)), -math.inf)
 
     def step(self, height: float, posture: Pose, gait: Gait | None) -> Carriage:
         """Return how to carry the body, m and rad, in a gait, or None while all feet stand."""
@@ -66,16 +67,25 @@ class Bearable:
         if asked != self._asked:
             self._asked = asked
             self._sway = self._sway_of(gait)
+            while self._sway > _NO_SWAY and not self._reaches(self._start, self._spare):
+                self._sway *= 0.5
             share = _largest(lambda share: self._holds(_shifted(posture, share), gait))
             self._aim = Carriage(height, _shifted(posture, share), MOST_ROOM)
             self._step, self._widening = 1.0, 1.0
-            if not self._reaches(self._now, self._spare):
-                self._now = self._now._replace(room=_LEAST_ROOM)
+            self._retreat()
         if self._now[:2] != self._aim[:2] and self._step > _NEAR_ENOUGH:
             self._approach()
         elif self._now.room < MOST_ROOM and self._widening > _NEAR_ENOUGH:
             self._widen()
         return self._now
+
+    def _retreat(self) -> None:
+        """Give up what cannot be borne in another gait, room first."""
+        for kept in (self._now, self._now._replace(room=_LEAST_ROOM)):
+            if self._reaches(kept, self._spare):
+                self._now = kept
+                return
+        self._now = self._start
 
     def _approach(self) -> None:
         now, aim, step = self._now, self._aim, self._step

@@ -117,7 +117,8 @@ class Controller:
         held = (
             command.heading is not None or self._clock.gait.balance is not None or not self._model.holds_course)
         twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=held)
-        still = bool(self._cramped) and state is State.WALK and not self._idle
+        still = state is State.WALK and not self._idle and (
+            bool(self._cramped) or not self._stepping.within(carriage.room, self._foot_course))
         over_ground = self._over_ground(self._body.step(twist, height, posture, dt, still=still), dt)
         pose = self._level(over_ground, state, estimate, dt)
         self._turn_needle(twist, bearable, command.period, carriage.part, dt)

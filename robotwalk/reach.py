@@ -10,8 +10,8 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-_SPARE = math.radians(1.5)  # that a joint stays off its limits
-_SOFT_JOINT = math.radians(2.5)  # before that, where it slows down
+_SPARE = math.radians(2.5)  # that a joint stays off its limits
+_SOFT_JOINT = math.radians(1.5)  # before that, where it slows down
 _SOFT = 0.02  # of the way between shortest and longest, at either end
 # A leg stretched to its very end has no speed left along itself; IK stays this far off.
 _MARGIN = 1e-6  # m

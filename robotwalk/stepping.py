@@ -150,6 +150,11 @@ class Stepping:
                 share = min(share, max((along + math.sqrt(inside)) / way, 0.0) if inside > 0.0 else 0.0)
         return share
 
+    def within(self, room: float, course: Pose) -> bool:
+        """Tell whether all standing feet are so near to rest, in shares of their largest strides."""
+        return room >= MOST_ROOM or all(
+            foot.sector is not None or foot.displacement(course) <= room * foot.leg.max_stride for foot in self._feet)
+
     def fall_behind(self, feet: Iterable[int], course: Pose, twist: Twist) -> bool:
         """Tell whether a body that moves with `twist` leaves one of these feet, by their numbers, farther behind."""
         for index in feet:

@@ -1,0 +1,18 @@
+"""Ten of the sequences of `make soak`: no fall, no joint beyond its limits, no foot that jumps, little slip."""
+
+import pytest
+
+from .soak.run import run
+from .soak.verdict import BOUNDS, slip, violations
+
+_SEEDS = range(10, 15)
+
+
+@pytest.mark.timeout(400)
+@pytest.mark.parametrize("robot", ["hexapod", "quadruped"])
+def test_whatever_is_commanded_a_robot_walks_on(robot: str) -> None:
+    outcomes = [run(robot, seed) for seed in _SEEDS]
+    for outcome in outcomes:
+        assert violations(outcome) == [], f"seed {outcome.seed}"
+        assert len(outcome.slips) > 20
+    assert slip(outcomes, 0.95) < BOUNDS[robot]
