@@ -146,6 +146,8 @@ class ConditionRota:
         if name is None:
             return ()  # its answers tell only that something is
         counts, _ = self._counts.get((servo.slot, name), (0, 0))
+        if counts == 0:
+            return ()
         meanings = dict(enumerate(servo.model[name].flags))
         return tuple(meanings.get(bit) or f"fault {bit}" for bit in range(8) if counts >> bit & 1)
 

@@ -79,6 +79,8 @@ class Odometry:
 
 def told_by(imu: ImuState | None, switches: tuple[FootSwitch, ...], estimate: Estimate) -> Estimate:
     """Return an estimate with what the IMU and foot switches tell, if there are any and they do."""
+    if imu is None and not switches:
+        return estimate
     return estimate._replace(pose=tilted(estimate.pose, imu), imu=imu, switches=switches)
 
 

@@ -1,13 +1,15 @@
 """The one gate before the servos. Nothing bypasses it, and what it cuts is counted.
 
 Each goal is held inside the joint's position range, below a speed and below an acceleration. A goal that is
-not a number is refused: the joint brakes and stays.
+not a number is refused: the joint brakes and stays. So does a leg that would meet another one or the body.
 """
 
 import math
 from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
+
+from robotwalk.self_collision import SelfCollision
 
 
 class JointLimit(NamedTuple):
@@ -22,9 +24,12 @@ class JointLimit(NamedTuple):
 class Gate:
     """Holds goals inside their limits, from the first goal on."""
 
-    def __init__(self, names: Sequence[str], limits: Sequence[JointLimit]) -> None:
+    def __init__(
+        self, names: Sequence[str], limits: Sequence[JointLimit], collision: SelfCollision | None = None
+    ) -> None:
         self._names = tuple(names)
         self._limits = tuple(limits)
+        self._collision = collision
         self._goals: list[float] = []
         self._speeds: list[float] = []
         self.cuts: Counter[tuple[str, str]] = Counter()  # (joint, what) -> goals cut
@@ -33,6 +38,8 @@ class Gate:
         """Start from where the joints are, at rest; from there speed and acceleration are counted."""
         self._goals = [float(p) for p in positions]
         self._speeds = [0.0] * len(self._limits)
+        if self._collision is not None:
+            self._collision.reset()
 
     def step(self, goals: Sequence[float], dt: float) -> tuple[float, ...]:
         """Return goals that may be sent, `dt` s after the last ones."""
@@ -50,6 +57,12 @@ class Gate:
                 wanted = (goal - last) / dt
             allowed.append(goal)
             speeds.append(wanted)
+        if self._collision is not None:
+            for leg in self._collision.step(allowed, speeds, dt):
+                for index in range(leg.start, leg.stop):
+                    self._count(index, "collision")
+                    allowed[index] = self._braked(index, dt)
+                    speeds[index] = (allowed[index] - self._goals[index]) / dt
         self._goals, self._speeds = allowed, speeds
         return tuple(allowed)
 
@@ -70,8 +83,18 @@ class Gate:
         if abs(wanted - speed) > change:
             self._count(index, "acceleration")
             wanted = speed + math.copysign(change, wanted - speed)
-        # Position has the last word: braking may not carry a goal out of its range.
-        return min(max(last + wanted * dt, min(limit.lower, last)), max(limit.upper, last))
+        return _in_range(last + wanted * dt, last, limit)
+
+    def _braked(self, index: int, dt: float) -> float:
+        """Return the goal with which one joint brakes as hard as it may."""
+        limit, last, speed = self._limits[index], self._goals[index], self._speeds[index]
+        slower = math.copysign(max(abs(speed) - limit.acceleration * dt, 0.0), speed)
+        return _in_range(last + slower * dt, last, limit)
 
     def _count(self, index: int, what: str) -> None:
         self.cuts[self._names[index], what] += 1
+
+
+def _in_range(goal: float, last: float, limit: JointLimit) -> float:
+    """Return a goal that is in a joint's range, or no farther out than the last one: braking has no say in that."""
+    return min(max(goal, min(limit.lower, last)), max(limit.upper, last))

@@ -263,7 +263,8 @@ class Loop:
         """Everything between the bytes read and the goals for the next write."""
         wanted = self._wanted
         estimate, stable = self._walker.perceive(joints, imu, switches, dt, feel=self._safety.efforts_tell)
-        estimate = estimate._replace(barriers=wanted.barriers)
+        if wanted.barriers:
+            estimate = estimate._replace(barriers=wanted.barriers)
         command = self._command
         if now - self._beaten_at > self._slow_after:
             command = command._replace(twist=STILL, heading=None)

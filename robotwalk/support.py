@@ -59,8 +59,16 @@ def support_polygon(feet: Iterable[Vec3]) -> list[HalfPlane]:
 
 def support_margin(feet: Sequence[Vec3], point: Vec3) -> float:
     """Return how far a point lies inside the convex hull of the feet, seen from above, m; negative outside."""
-    sides = support_polygon(feet)
-    return min((side.nx * point.x + side.ny * point.y - side.bound for side in sides), default=-math.inf)
+    hull = _convex_hull([(foot.x, foot.y) for foot in feet])
+    if len(hull) < 3:
+        return -math.inf
+    margin = math.inf
+    ax, ay = hull[-1]
+    for bx, by in hull:
+        dx, dy = bx - ax, by - ay
+        margin = min(margin, (dx * (point.y - ay) - dy * (point.x - ax)) / math.hypot(dx, dy))
+        ax, ay = bx, by
+    return margin
 
 
 def beyond_edge(feet: Sequence[Vec3], point: Vec3) -> float:

@@ -26,6 +26,7 @@ from robotwalk.ports import BytePort, Clock, FootSwitches, Imu, ServoBus
 from robotwalk.recorder import Recorder, Row
 from robotwalk.robot import Robot
 from robotwalk.safety import Safety
+from robotwalk.self_collision import SelfCollision
 from robotwalk.tape import Tape, TapedClock, TapedPort
 from robotwalk.timing import Histogram
 from robotwalk.walker import Part, Walker
@@ -166,11 +167,13 @@ def robot_of(
 
 def gate_of(blueprint: Blueprint) -> Gate:
     """Return the gate before a robot's servos."""
-    return Gate(blueprint.model.joint_names, [
+    limits = [
         JointLimit(
             joint.lower, joint.upper, _GOAL_LEAD * drive.max_speed, _GOAL_LEAD * drive.max_speed / _FULL_SPEED_WITHIN)
-        for joint, drive in zip(blueprint.model.joints, blueprint.drives, strict=True)
-    ])
+        for joint, drive in zip(blueprint.model.joints, blueprint.drives, strict=True)]
+    collision = SelfCollision(
+        blueprint.model, [limit.speed for limit in limits], [limit.acceleration for limit in limits])
+    return Gate(blueprint.model.joint_names, limits, collision)
 
 
 def loop_of(

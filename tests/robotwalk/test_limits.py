@@ -104,6 +104,26 @@ def test_a_fast_goal_is_not_carried_over_the_edge_by_its_braking() -> None:
     assert max(goals) == goals[-1] == 1.0
 
 
+def test_only_what_is_beyond_a_limit_is_counted() -> None:
+    """On a limit is within it, whatever else is cut. Numbers that a computer has exactly."""
+    exact = JointLimit(-1.0, 1.0, 2.0, 2.0)
+    for side in (1.0, -1.0):
+        fast = gate(exact)
+        assert fast.step([side * 1.0], 0.5) == (side * 0.5,)  # at 2 rad/s and in range; 1 rad/s within a tick
+        assert fast.cuts == {("knee", "acceleration"): 1}
+        beyond = gate(exact, side * 0.5)
+        assert beyond.step([side * 3.0], 0.5) == (side * 1.0,)  # where that is cut to, it has the acceleration
+        assert beyond.cuts == {("knee", "position"): 1}
+
+
+def test_there_is_a_goal_for_every_joint() -> None:
+    for goals in ([0.1], [0.1, 0.2, 0.3]):
+        gated = Gate(["hip", "knee"], [FREE, FREE])
+        gated.reset([0.0, 0.0])
+        with pytest.raises(ValueError, match="argument"):
+            gated.step(goals, DT)
+
+
 def test_each_joint_is_counted_by_its_name() -> None:
     gated = Gate(["hip", "knee"], [FREE, SLOW])
     gated.reset([0.0, 0.0])
