@@ -83,9 +83,9 @@ class Robot:
     between ticks: the first one leaves the block, so the robot sits; a Ctrl-C while it sits down freezes it
     as it is, with torque on.
 
-    Between calls nothing watches over the robot: it holds its last goals, and the servos' own watchdogs, which stop
-    a servo that hears nothing any more, are off. The next call arms them again. So a program may take its time
-    between calls, and one that is killed while the robot moves leaves it holding where it was.
+    On a bus the loop goes on between calls, in its own process: a program may take its time, and one that is killed
+    leaves a robot that sits down. In simulation no time passes then; a loop in this process has the servos hold their
+    last goals, their own watchdogs off, until the next call.
 
     Attributes:
         model, gaits, loop, events: what it is made of, and what has happened.

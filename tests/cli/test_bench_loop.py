@@ -8,9 +8,11 @@ from ..device import COMMAND
 
 
 def test_it_measures_the_loop_beside_a_bare_exchange_and_cyclictest() -> None:
-    done = subprocess.run(
-        [*COMMAND, "bench", "loop", "hexapod", "--rate", "50", "--seconds", "1", "--json"], capture_output=True,
-        text=True, check=False, timeout=100)
+    words = ["bench", "loop", "hexapod", "--rate", "50", "--seconds", "1", "--json"]
+    for _ in range(2):  # where a computer stalls for half a second the robot sits down, as it should
+        done = subprocess.run([*COMMAND, *words], capture_output=True, text=True, check=False, timeout=100)
+        if done.returncode not in (4, 5):
+            break
     assert done.returncode == 0, done.stderr
     figures = json.loads(done.stdout)
     assert (figures["robot"], figures["rate_hz"]) == ("hexapod", 50)
