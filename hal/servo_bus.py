@@ -42,6 +42,7 @@ class SerialServoBus:
         self._max_age = dict.fromkeys((line.name for line in lines), 0.0)
         self._paused = True  # watchdogs off, no conditions read
         self._torque = 1.0  # share of the largest
+        self._softer: float | None = None  # share that is to be the largest from the next exchange on
         self._exchanged = 0  # ns, when the last exchange began
         self._bite = round(_NS * min([line.watchdogs.shortest for line in lines] + [_LONGEST_BITE]))  # ns
 
@@ -93,6 +94,10 @@ class SerialServoBus:
         line, servo = self._places[slot]
         revival = line.cycle.watch.errand = Revival(line, servo, self._torque, self._clock)
         return revival
+
+    def soften(self, share: float) -> None:
+        """Bound the output of all servos to a share of the largest, with the next exchange, until armed anew."""
+        self._softer = share * self._torque
 
     def conditions(self) -> Mapping[str, ServoCondition]:
         """Return what each servo last told of itself, by its joint."""
@@ -269,6 +274,10 @@ class SerialServoBus:
         latest = start + round(SHARE_OF_TICK * period)
         # All of them, before a wire carries any.
         frames = [line.goal_frames(goals, self._position) for line in self._lines]
+        if self._softer is not None:
+            caps = [line.cap_frames(self._softer, line.servos) for line in self._lines]
+            frames = [cap + frame for cap, frame in zip(caps, frames, strict=True)]
+            self._softer = None
         pending = [
             line for line, frame in zip(self._lines, frames, strict=True)
             if line.cycle.begin(frame, start, latest, start + period, patience)]

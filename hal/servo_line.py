@@ -104,14 +104,17 @@ class ServoLine:
 
     def cap_torque(self, share: float, servos: Sequence[Wired]) -> None:
         """Bound the output of servos to a share of the largest. Nobody acknowledges it."""
+        self.wire.send(self.cap_frames(share, servos))
+
+    def cap_frames(self, share: float, servos: Sequence[Wired]) -> bytes:
+        """Return what bounds the output of servos to a share of the largest."""
         frames: dict[tuple[int, int], list[tuple[int, bytes]]] = {}
         for servo in servos:
             register = servo.model[servo.model.cyclic.torque_cap]
             assert register.range is not None
             data = pack(register, round(share * register.range[1]))
             frames.setdefault((register.address, register.size), []).append((servo.id, data))
-        for (address, size), items in frames.items():
-            self.wire.send(self.protocol.sync_write(address, size, items))
+        return b"".join(self.protocol.sync_write(*place, items) for place, items in frames.items())
 
     def read(self, clock: Clock, servo: Wired, address: int, size: int, what: str) -> bytes:
         """Return bytes of a servo's table; `what` they are is for the message.

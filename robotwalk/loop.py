@@ -29,6 +29,7 @@ from robotwalk.types import STILL, Command, FootSwitch, ImuState, JointState
 from robotwalk.walker import Walker
 
 _NS = 1_000_000_000
+_SOFT = 0.4  # of the torque, for a robot that fell: enough to draw its legs in
 
 
 class Tick(NamedTuple):
@@ -268,13 +269,15 @@ class Loop:
         command = self._command
         if now - self._beaten_at > self._slow_after:
             command = command._replace(twist=STILL, heading=None)
-        state, command, holding, news, dead = self._safety.step(
-            joints, self._goals, command, seated=wanted.seated, standing=wanted.standing,
-            missed=self._grid.missed - self._missed)
+        state, command, holding, news, dead, fell = self._safety.step(
+            joints, self._goals, command, wanted, imu, self._grid.missed - self._missed)
         self._missed = self._grid.missed
         if dead and self._regroup is not None:
             self._walker = self._regroup(dead)
             self._walker.start(joints.position, estimate.pose)
+        if fell:
+            self._bus.soften(_SOFT)
+            self._take_over(joints._replace(position=self._measured()))
         wanted = self._walker.step(state, command, estimate, dt)
         goals = self._reentry.step(
             self._feedforward.step(wanted.angles, wanted.torques, dt), wanted.angles, joints, holding,

@@ -99,6 +99,10 @@ class ServoBus(Protocol):
         """Begin to bring a joint's servo back that has let go, over the next exchanges; it holds then where it is."""
         ...
 
+    def soften(self, share: float) -> None:
+        """Bound the output of all servos to a share of the largest, with the next exchange, until armed anew."""
+        ...
+
     def arm(self, period: int, torque: float = 1.0) -> JointState:
         """Find every servo, let it hold where it is, switch torque on.
 

@@ -7,6 +7,8 @@ from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from robotwalk.agreement import Agreement
+from robotwalk.controller import Wanted
+from robotwalk.falls import FallWatch
 from robotwalk.governor import Governor
 from robotwalk.model import RobotModel
 from robotwalk.overruns import Overruns
@@ -15,7 +17,7 @@ from robotwalk.recovery import Recovery
 from robotwalk.stale_joints import StaleJoints
 from robotwalk.stuck_joints import StuckJoints
 from robotwalk.supervisor import State, Supervisor
-from robotwalk.types import STILL, Command, JointState, Twist
+from robotwalk.types import STILL, Command, DriveResponse, ImuState, JointState, Twist
 
 
 class Verdict(NamedTuple):
@@ -26,6 +28,7 @@ class Verdict(NamedTuple):
     holding: tuple[int, ...] = ()  # joints whose goals are held
     news: tuple[tuple[str, str], ...] = ()  # what is worth an event: its kind, and what happened in words
     dead: frozenset[int] = frozenset()  # joints without whose legs the robot is to go on from now on
+    fell: bool = False  # just now: every joint is to go on from where it is, softly
 
 
 class Safety:
@@ -38,7 +41,9 @@ class Safety:
             on the way down for a fault, when nothing is believed that need not be.
     """
 
-    def __init__(self, model: RobotModel, bus: ServoBus, rate_hz: int) -> None:
+    def __init__(
+        self, model: RobotModel, bus: ServoBus, rate_hz: int, drives: Sequence[DriveResponse]
+    ) -> None:
         self.supervisor = Supervisor()
         self.efforts_tell = True
         self._bus = bus
@@ -49,6 +54,7 @@ class Safety:
         self._lowest = model.heights.lowest
         self._stale = StaleJoints(model.safety.stale)
         self._governor = Governor(model.joint_names, model.safety.governor, bus.condition, 1.0 / rate_hz)
+        self._falls = FallWatch(model, drives, model.safety.fall, 1.0 / rate_hz)
         self._overruns = Overruns(model.safety.overruns, rate_hz)
         self._recovery = Recovery(model.joint_names, bus, model.safety.recovery)
         self._stuck = StuckJoints(len(model.joints), 1.0 / rate_hz)
@@ -60,8 +66,8 @@ class Safety:
         self._eased: tuple[Command, Command] | None = None  # a command, and what is left of it
 
     def step(
-        self, joints: JointState, goals: Sequence[float], command: Command, *, seated: bool, standing: bool,
-        missed: int = 0,
+        self, joints: JointState, goals: Sequence[float], command: Command, wanted: Wanted,
+        imu: ImuState | None = None, missed: int = 0,
     ) -> Verdict:
         """Look at what was measured, once a tick.
 
@@ -69,12 +75,16 @@ class Safety:
             joints: as measured.
             goals: that were sent just before.
             command: the driver's.
-            seated: whether the body is down.
-            standing: whether it is up, all feet at rest.
+            wanted: by the controller, for these measurements.
+            imu: as heard, if there is one.
             missed: ticks that were left out before this one.
         """
         late = self._overruns.step(missed)
-        supervisor, governed = self.supervisor, self._governor.step()
+        supervisor, governed, seated = self.supervisor, self._governor.step(), wanted.seated
+        up = supervisor.state in (State.STAND, State.WALK)
+        fell = self._falls.step(imu, joints.effort, joints.velocity, wanted.torques, up=up)
+        if fell is not None and supervisor.state in (State.STOP, State.READY, State.HELD, State.FAULT):
+            fell = None
         stale = self._stale.step(joints.age if not self._out else [
             0.0 if slot in self._out else age for slot, age in enumerate(joints.age)])
         patients, trouble = self._find(stale.silent, joints)
@@ -92,7 +102,8 @@ class Safety:
             if not dead:
                 trouble = trouble or next(iter(treated.lost.values()))
         state = supervisor.step(
-            trouble or governed.trouble or late.trouble, seated=seated, standing=standing, helping=treated.helping)
+            fell or trouble or governed.trouble or late.trouble, seated=seated, standing=wanted.standing,
+            helping=treated.helping, passes=fell is not None)
         if state in (State.FAULT, State.STOP, State.HELD):
             self._recovery.dismiss()
         self.efforts_tell = not governed.weak and state not in (State.FAULT, State.MEND)
@@ -110,7 +121,7 @@ class Safety:
             command = command._replace(twist=_slower(command.twist, self._config.overruns.pace))
         if stale.holding and state is not State.FAULT:
             return Verdict(state, command._replace(twist=STILL, heading=None), stale.holding, news, dead)
-        return Verdict(state, command, news=news, dead=dead)
+        return Verdict(state, command, news=news, dead=dead, fell=fell is not None)
 
     def _find(self, silent: tuple[int, ...], joints: JointState) -> tuple[dict[int, str], str | None]:
         """Return whose servos may be helped, and what cannot be: why, in words."""

@@ -6,7 +6,7 @@
     WALK   stepping                        --halt-->  STAND,  --sit-->    SIT
     SIT    stepping to rest, lowering      --seated-> READY,  --stand--> STAND
     MEND   as SIT, to help a servo         --mended-> STAND, and on with what it was at
-    FAULT  as SIT, for a reason            --seated-> STOP, and stays there
+    FAULT  as SIT, for a reason            --seated-> STOP, and stays there, unless it fell
     HELD   frozen in place                 --clear--> SIT or FAULT
 
 A fault takes every state with torque on to FAULT; from STOP nothing can fault. A servo that can be helped takes
@@ -57,6 +57,20 @@ TRANSITIONS: dict[tuple[State, Request], State] = {
     (State.MEND, Request.STAND): State.MEND,
     (State.MEND, Request.SIT): State.SIT,
 }
+_WITH_TORQUE = (State.READY, State.STAND, State.WALK, State.SIT, State.MEND)
+# What comes about without a request; `Supervisor` does it, and tests see to it that this is what it does.
+BY_ITSELF: tuple[tuple[State, State, str], ...] = (
+    (State.SIT, State.READY, "seated"),
+    (State.STAND, State.MEND, "a servo needs help"),
+    (State.WALK, State.MEND, "a servo needs help"),
+    (State.MEND, State.STAND, "mended"),
+    (State.STAND, State.WALK, "standing again after that"),
+    *((state, State.FAULT, "a fault") for state in _WITH_TORQUE),
+    (State.FAULT, State.STOP, "seated"),
+    *((state, State.HELD, "stop") for state in (*_WITH_TORQUE, State.FAULT)),
+    (State.HELD, State.SIT, "clear"),
+    (State.HELD, State.FAULT, "clear, after a fault"),
+)
 _UP = {Request.WALK: State.WALK, Request.HALT: State.STAND, Request.STAND: State.STAND}
 
 
@@ -67,6 +81,7 @@ class Supervisor:
         """Start in STOP."""
         self.state = State.STOP
         self.fault: str | None = None
+        self._passes = False  # the fault, once the robot is down
         self._resumes: State | None = None  # what it goes on with, once a servo is helped and the robot stands
 
     @property
@@ -101,7 +116,8 @@ class Supervisor:
             self.state = State.SIT if self.fault is None else State.FAULT
 
     def step(
-        self, trouble: str | None, *, seated: bool, standing: bool = False, helping: str | None = None
+        self, trouble: str | None, *, seated: bool, standing: bool = False, helping: str | None = None,
+        passes: bool = False,
     ) -> State:
         """Take note of what was found in a tick; return the state.
 
@@ -110,6 +126,7 @@ class Supervisor:
             seated: whether the body is down.
             standing: whether it is up, all feet at rest.
             helping: why it should come down for a while, in words; None: no servo needs help.
+            passes: whether the trouble is over once the robot is down: it may be asked to stand up again.
         """
         state = self.state
         if helping is not None and state in (State.STAND, State.WALK):
@@ -122,11 +139,12 @@ class Supervisor:
         elif state is State.STAND and standing and self._resumes is not None:
             self.state, self._resumes = self._resumes, None
         if trouble is not None and state is not State.STOP and self.fault is None:
-            self.fault, self._resumes = trouble, None
+            self.fault, self._resumes, self._passes = trouble, None, passes
             self.state = State.FAULT if state is not State.HELD else state
         elif seated:
             if self.state is State.SIT:
                 self.state = State.READY
             elif self.state is State.FAULT:
                 self.state = State.STOP
+                self.fault = None if self._passes else self.fault
         return self.state

@@ -204,7 +204,7 @@ def loop_of(
             FootSense(model, blueprint.drives, by_load=by_load) if feels else None),
         feedforward=Feedforward(blueprint.drives, lag=model.leads.lag, load=model.leads.load),
         gate=gate_of(blueprint),
-        safety=Safety(model, bus, rate_hz),
+        safety=Safety(model, bus, rate_hz, blueprint.drives),
         record=record,
         tape=tape,
         regroup=regroup,

@@ -78,6 +78,13 @@ class OverrunsConfig(Section):
         return self
 
 
+class FallConfig(Section):
+    """When the robot is taken to have fallen."""
+
+    tilt_deg: Annotated[float, Field(gt=10, le=90)] = 45.0  # off level, by an IMU
+    least_share: Annotated[float, Field(ge=0, lt=1)] = 0.25  # of what legs should bear, without one; 0: never
+
+
 class SafetyConfig(Section):
     """All of it."""
 
@@ -86,3 +93,4 @@ class SafetyConfig(Section):
     recovery: RecoveryConfig = RecoveryConfig()
     driver: DriverConfig = DriverConfig()
     overruns: OverrunsConfig = OverrunsConfig()
+    fall: FallConfig = FallConfig()

@@ -91,7 +91,7 @@ class Rig:
             walker=Walker(model, Controller(model, gaits, "tripod"), gaits),
             feedforward=Feedforward([DriveResponse(0.0, 0.0, 0.0, 6.0)] * 18),
             gate=Gate(model.joint_names, [JointLimit(-4.0, 4.0, 100.0, 1e6)] * 18),
-            safety=Safety(model, self.bus, RATE_HZ),
+            safety=Safety(model, self.bus, RATE_HZ, [DriveResponse(0.0, 0.0, 0.0, 6.0)] * 18),
             record=self.rows.append)
         self.loop.begin(self.bus.arm(PERIOD))
         self.loop.supervisor.request(Request.ARM)

@@ -1,0 +1,71 @@
+"""A robot that is pushed over lets its legs be soft, draws them in, goes limp; set upright again, it stands."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robotwalk import assembly
+from robotwalk.errors import SafetyStop
+from robotwalk.loop import Tick
+from robotwalk.supervisor import State
+
+from .bystander import Bystander
+
+AT = 5.0  # s
+NS = 1_000_000_000
+
+
+def with_imu(robot: str, folder: Path) -> str:
+    """Write a robot's file, an IMU fitted, and return its path."""
+    path = folder / f"{robot}_imu.yaml"
+    path.write_text(assembly.load(robot).document.text.replace(
+        "hardware:\n", "hardware:\n  imu: {kind: bno085-rvc, port: /dev/ttyAMA0, baud: 115200}\n"))
+    return str(path)
+
+
+def set_upright(simulation: assembly.Simulation) -> None:
+    """Put the robot back onto its belly, as a person would."""
+    world = simulation.world.world
+    world.data.qpos[2:7] = [simulation.robot.model.heights.sit + 0.01, 1.0, 0.0, 0.0, 0.0]
+    world.data.qvel[:] = np.zeros_like(world.data.qvel)
+    simulation.clock.wait((), simulation.clock.now() + NS)
+
+
+@pytest.mark.parametrize(("robot", "imu", "force", "told", "within"), [
+    ("quadruped", True, 60.0, r"it fell: it lies (4[5-9]|[5-9]\d|1\d\d) deg off level", 1.0),
+    ("hexapod", False, 80.0, r"it fell: its legs bear \d+ % of what they should", 4.0),
+])
+def test_a_robot_that_is_pushed_over_goes_soft_and_limp_and_stands_again_once_it_is_set_upright(
+    robot: str, imu: bool, force: float, told: str, within: float, tmp_path: Path
+) -> None:
+    push = {"at": AT, "for": 0.3, "fault": "push", "force_n": force, "direction_deg": 90}
+    simulation = assembly.simulate(with_imu(robot, tmp_path) if imu else robot, faults=[push])
+    bystander = Bystander(simulation)
+    ticks: list[Tick] = []
+    soft: list[int] = []
+
+    def look(tick: Tick) -> None:
+        ticks.append(tick)
+        if tick.state is State.FAULT:
+            soft.append(max(servo.table[servo.model.cyclic.torque_cap] for servo in simulation.world.servos))
+
+    with simulation.robot as walker:
+        walker.stand()
+        walker.observers.append(look)
+        with pytest.raises(SafetyStop, match=told):
+            walker.walk(vx=0.10, seconds=20.0)
+        fell = next(tick.time * 1e-9 for tick in ticks if tick.state is State.FAULT)
+        assert fell - AT < within
+        assert all(servo.table["torque_enable"] == 0 for servo in simulation.world.servos)
+        full = simulation.world.servos[0].model
+        register = full[full.cyclic.torque_cap]
+        assert register.range is not None
+        assert max(soft[2:]) <= 0.41 * register.range[1], "with two fifths of the torque it draws its legs in"
+        simulation.clock.wait((), simulation.clock.now() + NS)
+        assert max(look.speed for look in bystander.after(bystander.seen[-1].t - 0.2)) < 0.8, "limp legs sink"
+        assert bystander.largest_tilt() > 45.0
+        set_upright(simulation)
+        walker.stand()
+        assert simulation.world.truth().base.z > 0.8 * walker.model.heights.stand
+    assert bystander.sees_it_down()
