@@ -12,7 +12,6 @@ from .conftest import Run
 @pytest.mark.parametrize(("words", "says"), [
     ([], "the keyboard's input is no terminal"),
     (["--listen", "0.0.0.0:8765"], "put a token into ROBOTWALK_TOKEN"),
-    (["--port", "legs=x", "--terrain", "flat"], "--terrain is for a simulation"),
 ])
 def test_a_wrong_command_line(robotwalk: Run, words: list[str], says: str) -> None:
     result = robotwalk("teleop", "hexapod", *words)

@@ -39,7 +39,8 @@ def assert_shows(out: str, lines: list[str]) -> None:
 def test_all_of_it_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    for place in ("CONFIG_HOME", "RUNTIME_DIR", "STATE_HOME"):
+        monkeypatch.setenv(f"XDG_{place}", str(tmp_path))
     (sim, ready), *rest, (teleop, screen) = SHOWN
     assert [words[:2] for words, _ in rest] == [
         ["servo", "scan"], ["servo", "set-id"], ["servo", "set-id"], ["servo", "wiggle"], ["calibrate", "hexapod"],
