@@ -18,6 +18,10 @@ _PERIOD = 0.02  # s between two looks at the devices
 _TOLD_EVERY = 0.1  # s
 _IDLE = 120.0  # s that it stands with nobody driving before it sits, to spare its servos
 _UP = (State.STAND, State.WALK, State.MEND)
+_HINTS = {
+    State.HELD: "held in place: Enter (or `robotwalk clear`) lets it sit down",
+    State.STOP: "it sits, torque is off: Enter lets it stand up",
+}
 
 
 class Drive:
@@ -146,7 +150,8 @@ class Drive:
         if self._ticks == 0:
             return Told(note="torque is off until somebody says stand", rate_hz=loop.rate_hz)
         state = robot.state
-        note = robot.events[-1].text if robot.events and robot.events[-1].kind != "state" else self._note
+        newest = robot.events[-1].text if robot.events and robot.events[-1].kind != "state" else self._note
+        note = _HINTS.get(state.state, newest)
         return Told(
             state.state.value, None, note, state.odometry, state.twist, robot.conditions(),
             robot.bus_statistics(), loop.rate_hz, self._ticks, loop.missed, loop.wake.percentiles(),

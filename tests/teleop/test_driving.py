@@ -64,7 +64,7 @@ def test_a_person_in_tmux(tmp_path: Path, truth: Truth) -> None:
         let_go = time.monotonic()
         truth.assert_stops(let_go)
         hold_until("BSpace", lambda: truth.place()[2] < 0.04)
-        await_that(lambda: " STOP " in screen(), "torque is off")
+        await_that(lambda: "Enter lets it stand up" in screen(), "torque is off")
         tmux("send-keys", "Enter")
         truth.await_standing()
         tmux("send-keys", "C-c")
