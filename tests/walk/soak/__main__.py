@@ -30,7 +30,10 @@ def main() -> int:
         parser.error(f"no bounds for {', '.join(unknown)}; there are some for {', '.join(BOUNDS)}")
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     seeds = range(arguments.first_seed, arguments.first_seed + arguments.count)
-    sound = [_soak(robot, seeds, arguments.jobs) for robot in arguments.robots]
+    try:
+        sound = [_soak(robot, seeds, arguments.jobs) for robot in arguments.robots]
+    except KeyboardInterrupt:
+        return 130
     return 0 if all(sound) else 1
 
 

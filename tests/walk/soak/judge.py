@@ -140,7 +140,7 @@ class Judge:
 
     def _watch(self, tick: Tick) -> None:
         self._targets_of(tick)
-        if not self.driving:
+        if not self.driving or self._simulation.robot.loop.low:
             return
         truth = self._simulation.world.truth()
         tilt = math.acos(min(math.cos(truth.base.roll) * math.cos(truth.base.pitch), 1.0))

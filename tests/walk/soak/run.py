@@ -47,6 +47,9 @@ def run(robot: str, seed: int) -> Outcome:
                 judge.end()
     except SafetyStop as stop:
         stopped = str(stop)
+    # Nothing ails it.
+    stopped = stopped or next((f"{event.text}, at {event.t:.2f} s of the session" for event in simulation.robot.events
+                               if event.kind in ("mend", "legs")), None)
     return Outcome(
         robot, seed, episodes, judge.fell, stopped, judge.joint, judge.speed, fastest_target(blueprint), judge.tilt,
         judge.slips)
