@@ -15,6 +15,7 @@ from robotwalk.levelling import Levelling
 from robotwalk.model import RobotModel
 from robotwalk.orientation import Orientation
 from robotwalk.pace import Pace
+from robotwalk.plumb import Plumb
 from robotwalk.reach import Ranges
 from robotwalk.reaction import Reaction
 from robotwalk.rocking import Rocking
@@ -83,6 +84,7 @@ class Controller:
         self._body = Body(model.heights.sit)
         self._bearable = Bearable(model)
         self._bearing = Bearing(model)
+        self._plumb = Plumb(model.mass)
         self._foot_course = self._body.course  # the body's, brought down its own axis to the ground
         self._stepping = Stepping(model, self._foot_course)
         self._orientation = Orientation(model, model.orientation) if model.orientation is not None else None
@@ -117,6 +119,7 @@ class Controller:
         held = (
             command.heading is not None or self._clock.gait.balance is not None or not self._model.holds_course)
         twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=held)
+        self._keep_upright(estimate, dt)
         still = state is State.WALK and not self._idle and (
             bool(self._cramped) or not self._stepping.within(carriage.room, self._foot_course))
         over_ground = self._over_ground(self._body.step(twist, height, posture, dt, still=still), dt)
@@ -237,6 +240,16 @@ class Controller:
         x, y = placed(course, Vec3(ahead, left, 0.0))
         self._foot_course = course._replace(x=x, y=y)
         return pose._replace(z=pose.z + change.z, roll=pose.roll + change.roll, pitch=pose.pitch + change.pitch)
+
+    def _keep_upright(self, estimate: Estimate, dt: float) -> None:
+        """Turn odom, and all that stands in it, upright under the body."""
+        if self._orientation is None or not self._felt:
+            return
+        turn = self._plumb.step(self._pose, estimate.felt, self._footfalls.planted, estimate.imu, dt)
+        if turn is not None:
+            self._stepping.turn(turn)
+            self._orientation.turn(turn)
+            self._footfalls = self._stepping.footfalls()
 
     def _step_feet(self, twist: Twist, estimate: Estimate, dt: float) -> Footfalls:
         senses = self._senses(estimate)

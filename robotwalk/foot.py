@@ -4,6 +4,7 @@ import math
 
 from robotwalk.gait import Sector
 from robotwalk.model import Leg
+from robotwalk.plumb import Turn
 from robotwalk.search import Search
 from robotwalk.swing import Swing
 from robotwalk.swing_paths import SwingPath
@@ -33,6 +34,8 @@ class Foot:
         overdue: whether its swing takes longer than its sector.
         touched_for: for how long it has felt something while it searches, s.
         found: whether it stands where it found ground, not where it was sent.
+        hindering: whether waiting for its turn would over-stretch it, and so holds the body back.
+        borne_for: for how long it has been felt to stand since it was set down, s.
         lost_for: for how long it has stood without the load that it should bear, s.
         off: what is left of the way to where a swing or a search has begun anew, m.
     """
@@ -51,8 +54,8 @@ class Foot:
         self.struck_for = 0.0
         self.bumps = 0
         self.overdue = False
-        self.lost_for = self.touched_for = 0.0
-        self.found = False
+        self.lost_for = self.touched_for = self.borne_for = 0.0
+        self.found = self.hindering = False
         self.off = _NOT_OFF
 
     def plant(self, place: Vec3) -> None:
@@ -70,7 +73,18 @@ class Foot:
     def _land(self) -> None:
         self.swing = self.sector = self.search = None
         self.overdue = False
-        self.lost_for = self.touched_for = 0.0
+        self.lost_for = self.touched_for = self.borne_for = 0.0
+
+    def turn(self, turn: Turn) -> None:
+        """Stay where it is in the body's frame while odom is turned."""
+        at_target = self.place is self.target
+        self.place, self.stood, self.target = turn.of(self.place), turn.of(self.stood), turn.of(self.target)
+        if at_target:
+            self.place = self.target
+        if self.swing is not None:
+            self.swing.turn(turn)
+        if self.search is not None:
+            self.search.turn(turn)
 
     def settle(self, dt: float) -> None:
         """Come to rest where it stands."""

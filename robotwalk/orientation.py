@@ -11,6 +11,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from robotwalk.model import Leg, OrientationSettings, RobotModel
+from robotwalk.plumb import Turn
 from robotwalk.types import Pose, Vec3
 
 _BESIDE = 1e-3  # m; a leg nearer than this to the body's middle line belongs to both sides
@@ -74,6 +75,11 @@ class Orientation:
     def plane(self) -> GroundPlane:
         """The plane as the body follows it."""
         return GroundPlane(self._height.value, math.tan(-self._pitch.value), math.tan(self._roll.value))
+
+    def turn(self, turn: Turn) -> None:
+        """Have the ground turned with odom."""
+        self._roll.value += turn.roll
+        self._pitch.value += turn.pitch
 
     def step(self, feet: Sequence[Vec3], course: Pose, dt: float) -> Pose:
         """Advance by `dt` s; return what to add to a level body's pose: height, roll and pitch.

@@ -9,6 +9,7 @@ from enum import Enum
 from random import Random
 
 from robotwalk.model import ContactSettings
+from robotwalk.plumb import Turn
 from robotwalk.swing import Swing
 from robotwalk.swing_paths import SwingPath
 from robotwalk.types import Vec3
@@ -67,6 +68,13 @@ class Search:
     def gave_up(self) -> bool:
         """Whether there was no ground, below or around."""
         return self.phase in (Phase.NEARER, Phase.HOME)
+
+    def turn(self, turn: Turn) -> None:
+        """Go on where it is in the body's frame while odom is turned."""
+        self.place, self._expected = turn.of(self.place), turn.of(self._expected)
+        self._stood, self._target = turn.of(self._stood), turn.of(self._target)
+        if self._swing is not None:
+            self._swing.turn(turn)
 
     def step(self, dt: float) -> Vec3:
         """Go on by `dt` s and return where the foot is; it ends when the foot feels ground, or is `done`."""

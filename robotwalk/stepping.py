@@ -19,6 +19,7 @@ from robotwalk.free_stepping import FreeStepping, passing
 from robotwalk.gait import Gait, GaitClock, Sector
 from robotwalk.model import ContactSettings, Leg, RobotModel
 from robotwalk.orientation import GroundPlane
+from robotwalk.plumb import Turn
 from robotwalk.search import Phase, Search
 from robotwalk.statics import GRAVITY
 from robotwalk.swing import Swing
@@ -37,6 +38,8 @@ _STEEP = 0.7  # of a load; pushed back by more than this, a foot would slip off 
 _LOST = 0.12  # of the weight, that a foot should bear of which nothing is felt: it has lost its ground
 _LOST_FOR = 0.12  # s of that; loads pass from foot to foot in less
 _SEARCH = 0.2  # s that a search takes, about
+_HINDERING = 0.05  # of the twist; a foot that bears less until its turn holds the body fast, and steps out of it
+_PROVEN = 0.1  # s that a foot must have been felt to stand; others lift off before only as long as it does
 _STRUCK_FOR = 0.025  # s; gears with backlash jolt, too, but not for long
 _SURE_AFTER = 0.15  # s
 _BUMPS = 3  # in one swing, after which the foot stands where it is
@@ -69,6 +72,7 @@ class Stepping:
         self._contact = model.contact
         self._weight = model.mass * GRAVITY
         self._caution = 0.0  # m added to the lift of every foot where the ground has surprised
+        self._held = False  # a lift-off waits, for a foot that stands bears nothing
         self._random = Random(0)
         self._phase = 0.0  # of the needle
         self._senses: Sequence[Sense | None] = (None,) * len(model.legs)
@@ -135,6 +139,7 @@ class Stepping:
     def _bearable(self, gait: Gait, waits: Sequence[float], course: Pose, twist: Twist) -> float:
         share = 1.0
         for foot, wait, sense in zip(self._feet, waits, self._senses, strict=True):
+            foot.hindering = False
             if foot.sector is not None:
                 continue
             (dx, dy), (ux, uy) = foot.offset(course), passing(foot.leg, twist)
@@ -147,7 +152,9 @@ class Stepping:
                 along = dx * wx + dy * wy
                 way = wx * wx + wy * wy
                 inside = along * along - way * (dx * dx + dy * dy - limit * limit)
-                share = min(share, max((along + math.sqrt(inside)) / way, 0.0) if inside > 0.0 else 0.0)
+                bears = max((along + math.sqrt(inside)) / way, 0.0) if inside > 0.0 else 0.0
+                foot.hindering = sense is not None and way > 0.0 and bears < _HINDERING
+                share = min(share, bears)
         return share
 
     def within(self, room: float, course: Pose) -> bool:
@@ -193,12 +200,15 @@ class Stepping:
         for index, foot in enumerate(self._feet):
             sector = foot.sector
             if sector is not None:
+                swung = foot.swing is not None
                 self._move(index, foot, sector, clock, course, twist, dt, up)
-                if foot.sector is None:
+                if foot.sector is None and swung:
                     foot.spent = clock.gait.sector_at(index, clock.phase)
             else:
                 foot.settle(dt)
                 self._keep_ground(foot, self._senses[index], clock.gait.feet[index][0], loads[index], dt)
+        unsure = any(foot.lost_for > 0.0 and foot.borne_for < _PROVEN for foot in self._feet if foot.sector is None)
+        hold, self._held = hold or unsure, False
         if clock.gait.free is not None:
             self._step_freely(clock.gait.free, clock, course, twist, dt, hold, up)
             return self.footfalls()
@@ -211,13 +221,27 @@ class Stepping:
                 foot.spent = None
             sector = self._due(foot, index, clock.gait, clock.phase)
             idle = twist == STILL and foot.at_rest(course)
-            if sector is None or idle or hold or not clock.gait.lifts_together(in_air | {index}):
+            if sector is None or idle or not clock.gait.lifts_together(in_air | {index}):
+                continue
+            if hold:
+                self._held = unsure
                 continue
             in_air.add(index)
             share = (1.0 - sector.progress(clock.phase)) * sector.length
             foot.lift_off(sector, share, clock.gait.swing_path, foot.leg.lift + self._caution)
             self._move(index, foot, sector, clock, course, twist, dt, up)
+        if not hold:
+            self._relieve(clock, in_air)
         return self.footfalls()
+
+    def _relieve(self, clock: GaitClock, in_air: set[int]) -> None:
+        """Lift the feet off, out of their turn, that would be over-stretched until it comes; the needle waits."""
+        for index, foot in enumerate(self._feet):
+            if foot.sector is None and foot.hindering and clock.gait.lifts_together(in_air | {index}):
+                in_air.add(index)
+                sector = clock.gait.feet[index][0]
+                foot.lift_off(sector, sector.length, clock.gait.swing_path, foot.leg.lift + self._caution)
+                foot.overdue = True
 
     def _step_freely(
         self, free: FreeStepping, clock: GaitClock, course: Pose, twist: Twist, dt: float, hold: bool, up: Vec3
@@ -229,6 +253,11 @@ class Stepping:
             foot, sector = self._feet[index], clock.gait.feet[index][0]
             foot.lift_off(sector, sector.length, clock.gait.swing_path, foot.leg.lift + self._caution)
             self._move(index, foot, sector, clock, course, twist, dt, up)
+
+    def turn(self, turn: Turn) -> None:
+        """Have all feet turned with odom."""
+        for foot in self._feet:
+            foot.turn(turn)
 
     def footfalls(self) -> Footfalls:
         """Return the feet as they are."""
@@ -322,6 +351,8 @@ class Stepping:
     def _keep_ground(self, foot: Foot, sense: Sense | None, sector: Sector, load: float, dt: float) -> None:
         """Have a standing foot feel for the ground again that it has lost."""
         contact = self._contact
+        if sense is not None and sense.touching:
+            foot.borne_for += dt
         if contact is None or sense is None or not contact.slip or sense.touching or load < _LOST * self._weight:
             foot.lost_for = 0.0
             return
@@ -353,7 +384,7 @@ class Stepping:
         return back > max(_BUMP * self._weight, _STEEP * sense.push.z)
 
     def _go_on_searching(self, foot: Foot, search: Search, sense: Sense | None, dt: float) -> None:
-        touching = sense is not None and sense.touching and search.feels
+        touching = sense is not None and sense.sure and search.feels
         foot.touched_for = foot.touched_for + dt if touching else 0.0
         if touching and search.phase is not Phase.DOWN and foot.touched_for < _SURE_AFTER:
             return  # keep still: ground stays, a jolt does not

@@ -4,6 +4,7 @@ A quintic takes a motion to rest in a given time with the least jerk (Flash and 
 it takes up whatever a change of plan would make the foot jump by, and lets it die out until touchdown.
 """
 
+from robotwalk.plumb import Turn
 from robotwalk.swing_paths import Motion, SwingPath
 from robotwalk.types import UP, Vec3
 
@@ -85,6 +86,10 @@ class Swing:
         self._rest = (self._kept(x, self._way, ax - bx), self._kept(y, self._way, ay - by),
                       self._kept(z, self._way, az - bz))
         self.target = target
+
+    def turn(self, turn: Turn) -> None:
+        """Go on on the same way in the body's frame while odom is turned; so little that speeds need not be."""
+        self.start, self.target, self.position = turn.of(self.start), turn.of(self.target), turn.of(self.position)
 
     def replace(self, path: SwingPath, lift: float) -> None:
         """Go on along another path, or with another lift, in m."""
