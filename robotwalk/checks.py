@@ -42,8 +42,10 @@ def require_consistent(document: Document, config: RobotConfig) -> None:
         if name not in legs:
             raise document.error(
                 ("locomotion", "reaction", "weights", name), f"no such leg; there are {', '.join(legs)}")
-    orientation = config.locomotion.orientation
-    if config.locomotion.levelling is not None and orientation is not None and orientation.share > 0.0:
+    orientation, levelling = config.locomotion.orientation, config.locomotion.levelling
+    if levelling is not None and levelling.by == "load" and config.locomotion.contact is None:
+        raise document.error(("locomotion", "levelling", "by"), "the feet feel no load without `contact`", levelling.by)
+    if levelling is not None and orientation is not None and orientation.share > 0.0:
         raise document.error(
             ("locomotion", "levelling"), "by the IMU or by the feet: this excludes orientation, unless its share is 0")
     height = config.locomotion.height_mm

@@ -170,35 +170,38 @@ def _force(leg: LegStatics, last: Sequence[_Sample], now: Sequence[_Sample], dt:
         (az * bx + gz * by + hz * bz) * inverse)
 
 
-class Sag(NamedTuple):
-    """By how much the feet are higher in the base frame than they are told to be, as legs give: a plane."""
+class Plane(NamedTuple):
+    """A value z over a plane, z = middle + ahead x + left y."""
 
-    middle: float  # m, at the base's origin
-    ahead: float  # m per m ahead
+    middle: float
+    ahead: float
     left: float
 
     def at(self, place: Vec3) -> float:
-        """Return it at a place in the base frame, m."""
+        """Return it at a place, whatever that one's own z."""
         return self.middle + self.ahead * place.x + self.left * place.y
 
 
-def sag(told: Sequence[Vec3], measured: Sequence[Vec3 | None], standing: Sequence[bool]) -> Sag:
-    """Return how the body hangs lower than told on the feet that stand; places in the base frame, m."""
-    count = 0
+def sag(told: Sequence[Vec3], measured: Sequence[Vec3 | None], standing: Sequence[bool]) -> Plane:
+    """Return how the body hangs lower than told on the feet that stand, as legs give, m; places in the base frame."""
+    return plane_of([
+        Vec3(got.x, got.y, got.z - want.z)
+        for want, got, stands in zip(told, measured, standing, strict=True) if got is not None and stands])
+
+
+def plane_of(points: Sequence[Vec3]) -> Plane:
+    """Return the plane through points, by least squares; nothing where there are none."""
+    count = len(points)
+    if count == 0:
+        return Plane(0.0, 0.0, 0.0)
     mx = my = mz = xx = xy = yy = xz = yz = 0.0
-    for want, got, stands in zip(told, measured, standing, strict=True):
-        if got is None or not stands:
-            continue
-        x, y, z = got.x, got.y, got.z - want.z
-        count += 1
+    for x, y, z in points:
         mx, my, mz = mx + x, my + y, mz + z
         xx, xy, yy, xz, yz = xx + x * x, xy + x * y, yy + y * y, xz + x * z, yz + y * z
-    if count == 0:
-        return Sag(0.0, 0.0, 0.0)
     mx, my, mz = mx / count, my / count, mz / count
-    # Slopes from feet that are nearly in a line are left out by and by.
+    # Slopes from points that are nearly in a line are left out by and by.
     xx, yy = xx - count * mx * mx + _SPREAD, yy - count * my * my + _SPREAD
     xy, xz, yz = xy - count * mx * my, xz - count * mx * mz, yz - count * my * mz
     inverse = 1.0 / (xx * yy - xy * xy)
     ahead, left = (xz * yy - yz * xy) * inverse, (yz * xx - xz * xy) * inverse
-    return Sag(mz - ahead * mx - left * my, ahead, left)
+    return Plane(mz - ahead * mx - left * my, ahead, left)

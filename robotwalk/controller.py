@@ -99,7 +99,8 @@ class Controller:
         self._sway = Sway(model)
         self._rocking = Rocking(model)
         self._reaction = Reaction(model)
-        self._levelling = Levelling(model.levelling) if model.levelling is not None else None
+        self._by_load = model.levelling is not None and model.levelling.by == "load"
+        self._levelling = Levelling(model, model.levelling) if model.levelling is not None else None
         self._steering = Steering()
         self._pose = self._body.pose
 
@@ -126,12 +127,15 @@ class Controller:
         pose = self._level(over_ground, state, estimate, dt)
         self._turn_needle(twist, bearable, command.period, carriage.part, dt)
         self._waiting = self._balance(pose, twist) or self._shifts(posture)
-        rocked = self._rocking.step(self._sway.step(pose, dt), self._clock, not self._idle, dt)
+        swayed = self._sway.step(pose, dt)
+        if self._levelling is not None and self._by_load:
+            swayed = self._levelling.above_feet(swayed)
+        rocked = self._rocking.step(swayed, self._clock, not self._idle, dt)
         self._pose = self._reaction.step(
             rocked, self._clock, self._footfalls, self._body.course, not self._idle, dt)
         footfalls = self._footfalls = self._step_feet(twist, estimate, dt)
         angles, reach_error = self._angles(footfalls)
-        statics = self._bearing.step(angles, tilted(self._pose, estimate.imu), footfalls.planted, dt)
+        statics = self._bearing.step(angles, tilted(self._pose, estimate.tilt), footfalls.planted, dt)
         self._loads = statics.loads
         at_rest = self._idle and self._sway.at_rest and self._rocking.at_rest and self._reaction.at_rest
         settled = at_rest and self._body.settled(height, posture)
@@ -192,11 +196,12 @@ class Controller:
         return self._clock.gait.tips and self._body.shifted_from(posture) > _BESIDE
 
     def _level(self, pose: Pose, state: State, estimate: Estimate, dt: float) -> Pose:
-        """Keep the body level by the IMU while it is up; seated, it lies as the ground does."""
-        if self._levelling is None:
+        """Keep the body level while it is up, by loads only while they are felt; seated, it lies as the ground does."""
+        settings = self._model.levelling
+        if self._levelling is None or settings is None:
             return pose
-        up = state in (State.STAND, State.WALK)
-        return self._levelling.step(pose, self._pose, estimate.imu if up else None, dt)
+        known = state in (State.STAND, State.WALK) and (settings.by == "imu" or self._felt)
+        return self._levelling.step(pose, self._pose, estimate.tilt if known else None, dt)
 
     def _turn_needle(self, twist: Twist, bearable: float, period: float | None, part: float, dt: float) -> None:
         """Turn it by a tick, unless lift-offs have to wait; with the body still and all feet at rest, stop it."""
@@ -265,7 +270,9 @@ class Controller:
     def _senses(self, estimate: Estimate) -> list[Sense | None] | None:
         """Return what the feet feel in odom, by where the body is told to be."""
         contact = self._model.contact
-        self._felt = contact is not None and self._fastest_foot <= contact.fastest and bool(estimate.felt)
+        self._felt = (
+            contact is not None and self._fastest_foot <= contact.fastest and bool(estimate.felt)
+            and (contact.gaits is None or self._clock.gait.name in contact.gaits))
         if not self._felt:
             return None
         pose, falls = self._pose, self._footfalls
@@ -281,7 +288,7 @@ class Controller:
             else:
                 heard.append(felt)
                 vectors += Vec3(foot.x, foot.y, foot.z - give.at(foot)), felt.force
-        turned = iter(in_odom(pose, vectors))
+        turned = iter(in_odom(tilted(pose, estimate.tilt if self._by_load else None), vectors))
         senses: list[Sense | None] = []
         for felt in heard:
             if felt is None:

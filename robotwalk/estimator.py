@@ -13,7 +13,7 @@ from robotwalk.barriers import Barrier
 from robotwalk.body import advanced
 from robotwalk.contact import Felt
 from robotwalk.model import RobotModel
-from robotwalk.types import LEVEL, FootSwitch, ImuState, JointState, Pose, Twist, Vec3
+from robotwalk.types import LEVEL, FootSwitch, ImuState, JointState, Pose, Tilt, Twist, Vec3
 
 _SETTLING = 0.06  # s after a footprint is reached before its foot counts: the servo follows its goal later
 
@@ -21,8 +21,9 @@ _SETTLING = 0.06  # s after a footprint is reached before its foot counts: the s
 class Estimate(NamedTuple):
     """The body's state by odometry, and by an IMU if there is one; what the feet feel."""
 
-    pose: Pose  # of the base in odom; yaw is not wrapped; roll and pitch are 0 without a valid IMU
+    pose: Pose  # of the base in odom; yaw is not wrapped; roll and pitch are 0 where `tilt` is not known
     standing_feet: int  # that the last step relied on
+    tilt: Tilt | None = None  # of the base against gravity, by the IMU or by the feet's loads
     imu: ImuState | None = None  # None: there is none, or it has not been heard yet
     feet: tuple[Vec3 | None, ...] = ()  # in the base frame, m; None where a joint did not answer
     felt: tuple[Felt | None, ...] = ()  # by each foot; empty where nothing can be felt
@@ -77,16 +78,9 @@ class Odometry:
         return Estimate(self._pose, len(pairs), feet=tuple(self._feet))
 
 
-def told_by(imu: ImuState | None, switches: tuple[FootSwitch, ...], estimate: Estimate) -> Estimate:
-    """Return an estimate with what the IMU and foot switches tell, if there are any and they do."""
-    if imu is None and not switches:
-        return estimate
-    return estimate._replace(pose=tilted(estimate.pose, imu), imu=imu, switches=switches)
-
-
-def tilted(pose: Pose, imu: ImuState | None) -> Pose:
-    """Return a pose with the tilt against gravity that a valid IMU tells; without one, as it is."""
-    return pose if imu is None or not imu.valid else pose._replace(roll=imu.roll, pitch=imu.pitch)
+def tilted(pose: Pose, tilt: Tilt | None) -> Pose:
+    """Return a pose with a tilt against gravity; as it is where that is not known."""
+    return pose if tilt is None else pose._replace(roll=tilt.roll, pitch=tilt.pitch)
 
 
 def _rigid_motion(pairs: Sequence[tuple[Vec3, Vec3]]) -> tuple[float, float, float]:

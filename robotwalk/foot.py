@@ -86,6 +86,11 @@ class Foot:
         if self.search is not None:
             self.search.turn(turn)
 
+    def press(self, by: float) -> None:
+        """Stand lower by so much, m."""
+        self.target = self.stood = self.target._replace(z=self.target.z - by)
+        self.place = self.place._replace(z=self.place.z - by)
+
     def settle(self, dt: float) -> None:
         """Come to rest where it stands."""
         if self.place is not self.target:

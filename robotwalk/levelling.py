@@ -1,16 +1,25 @@
-"""Keeps the body level on ground that is not, by an IMU (ARTH section 5.6; the alternative to following the feet).
+"""Keeps the body level on ground that is not (ARTH section 5.6; the alternative to following the feet).
 
 A correction of the body's roll and pitch has the angular acceleration c1 x error - c2 x angular velocity; the error is
-how much less than wanted the IMU finds the body tilted. Wanted is what all other stages tilt the body by. As the body
-does as it is told but for the ground's slope and its legs' give, the correction ends where it makes up for both.
+how much less than wanted the body is tilted against gravity. Wanted is what all other stages tilt the body by. As the
+body does as it is told but for the ground's slope and its legs' give, the correction ends where it makes up for both.
 
-A silent IMU is no data: the correction eases back to none, as it does when the robot is to sit down.
+By loads: what the body is tilted more than it was told is the slope of odom: there, what is straight above the feet's
+middle leans uphill. So far the body goes uphill, for its centre of mass to stay above its feet.
+
+Where the tilt is not known both ease back to none, as they do when the robot is to sit down.
 """
 
-from robotwalk.model import LevellingSettings
-from robotwalk.types import ImuState, Pose
+import math
+
+from robotwalk.body import placed
+from robotwalk.kinematics import resting_angles
+from robotwalk.model import LevellingSettings, RobotModel
+from robotwalk.support import centre_of_mass
+from robotwalk.types import Pose, Tilt, Vec3
 
 _AT_REST = 2e-3  # rad, and per s
+_UPHILL = 0.5  # s in which the body goes there
 
 
 class _Correction:
@@ -19,46 +28,53 @@ class _Correction:
     def __init__(self, settings: LevellingSettings) -> None:
         self._settings = settings
         self.value = self.rate = 0.0
+        self.slope = 0.0  # rad, of odom
 
-    def step(self, error: float, dt: float) -> None:
-        c1, c2, limit = self._settings
+    def step(self, told: float, measured: float | None, dt: float) -> None:
+        c1, c2, limit = self._settings[:3]
+        error = -self.value if measured is None else told - self.value - measured
         # Implicit in the damping: no tick is too long for it.
         self.rate = (self.rate + c1 * error * dt) / (1.0 + c2 * dt)
         self.value += self.rate * dt
         if abs(self.value) > limit:
             self.value = min(max(self.value, -limit), limit)
             self.rate = 0.0
+        slope = 0.0 if measured is None else min(max(measured - told, -limit), limit)
+        self.slope += (slope - self.slope) * min(dt / _UPHILL, 1.0)
 
     @property
     def at_rest(self) -> bool:
-        return abs(self.value) <= _AT_REST and abs(self.rate) <= _AT_REST
+        return max(abs(self.value), abs(self.rate), abs(self.slope)) <= _AT_REST
 
 
 class Levelling:
     """The correction of one robot's body."""
 
-    def __init__(self, settings: LevellingSettings) -> None:
+    def __init__(self, model: RobotModel, settings: LevellingSettings) -> None:
         self._roll, self._pitch = _Correction(settings), _Correction(settings)
+        self._height = model.heights.stand + centre_of_mass(model, resting_angles(model, model.heights.stand)).z
 
     @property
     def at_rest(self) -> bool:
         """Whether nothing is corrected."""
         return self._roll.at_rest and self._pitch.at_rest
 
-    def step(self, pose: Pose, told: Pose, imu: ImuState | None, dt: float) -> Pose:
+    def step(self, pose: Pose, told: Pose, tilt: Tilt | None, dt: float) -> Pose:
         """Advance by `dt` s; return a body's pose with its correction.
 
         Args:
             pose: to be corrected.
             told: what the body was told in the last tick, corrections included.
-            imu: what it found; None, or not valid: go back to no correction.
+            tilt: what it was found to be; None: go back to no correction.
             dt: s.
         """
         roll, pitch = self._roll, self._pitch
-        if imu is not None and imu.valid:
-            roll.step(told.roll - roll.value - imu.roll, dt)
-            pitch.step(told.pitch - pitch.value - imu.pitch, dt)
-        else:
-            roll.step(-roll.value, dt)
-            pitch.step(-pitch.value, dt)
+        roll.step(told.roll, None if tilt is None else tilt.roll, dt)
+        pitch.step(told.pitch, None if tilt is None else tilt.pitch, dt)
         return pose._replace(roll=pose.roll + roll.value, pitch=pose.pitch + pitch.value)
+
+    def above_feet(self, pose: Pose) -> Pose:
+        """Return a pose so far uphill that its centre of mass is above the feet that it was above in odom."""
+        ahead, left = -self._height * math.tan(self._pitch.slope), self._height * math.tan(self._roll.slope)
+        x, y = placed(pose, Vec3(ahead, left, 0.0))
+        return pose._replace(x=x, y=y)

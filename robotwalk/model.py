@@ -92,6 +92,7 @@ class LevellingSettings(NamedTuple):
     c1: float  # 1/s^2
     c2: float  # 1/s
     limit: float  # rad
+    by: Literal["imu", "load"] = "imu"
 
 
 class Reactions(NamedTuple):
@@ -123,6 +124,9 @@ class ContactSettings(NamedTuple):
     caution: float  # m
     keep_pace: bool
     fastest: float  # m/s of any foot over the ground
+    share_load: bool = False
+    sure_after: float = 0.0  # s
+    gaits: tuple[str, ...] | None = None  # None: all
 
 
 class OrientationSettings(NamedTuple):
@@ -247,7 +251,7 @@ class RobotModel:
 def _levelling(config: LevellingConfig | None) -> LevellingSettings | None:
     if config is None:
         return None
-    return LevellingSettings(config.c1_per_s2, config.c2_per_s, math.radians(config.limit_deg))
+    return LevellingSettings(config.c1_per_s2, config.c2_per_s, math.radians(config.limit_deg), config.by)
 
 
 def _reactions(config: ReactionConfig, legs: Iterable[str]) -> Reactions:
@@ -260,7 +264,8 @@ def _reactions(config: ReactionConfig, legs: Iterable[str]) -> Reactions:
 def _contact(config: ContactConfig | None) -> ContactSettings | None:
     return None if config is None else ContactSettings(
         config.early_touchdown, config.step_over, _metres(config.reach_down_mm), config.search, config.slip,
-        _metres(config.caution_mm), config.keep_pace, math.inf if config.up_to_mps is None else config.up_to_mps)
+        _metres(config.caution_mm), config.keep_pace, math.inf if config.up_to_mps is None else config.up_to_mps,
+        config.share_load, 1e-3 * config.sure_after_ms, None if config.gaits is None else tuple(config.gaits))
 
 
 def _orientation(config: OrientationConfig | None) -> OrientationSettings | None:

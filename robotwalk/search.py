@@ -21,6 +21,7 @@ _CIRCLES = (0.015, 0.030)  # m
 _PROBES = 3  # in each circle
 _PROBING_LIFT = 0.015  # m
 _PROBING = 0.3  # s for a probe
+_SURE_AFTER = 0.15  # s
 _STEPPING = 0.4  # s for a step nearer, or home
 _NEARER = 0.5  # of the step
 
@@ -63,6 +64,11 @@ class Search:
     def feels(self) -> bool:
         """Whether what the foot feels is to be trusted: as it sets off anew, gears jolt."""
         return self._steady_for >= _JOLT
+
+    @property
+    def sure_after(self) -> float:
+        """For how long the foot must feel something to stand on it, s."""
+        return self._settings.sure_after if self.phase is Phase.DOWN else _SURE_AFTER
 
     @property
     def gave_up(self) -> bool:

@@ -17,6 +17,7 @@ from robotwalk.contact import Sense
 from robotwalk.foot import Foot
 from robotwalk.free_stepping import FreeStepping, passing
 from robotwalk.gait import Gait, GaitClock, Sector
+from robotwalk.load_sharing import LoadSharing
 from robotwalk.model import ContactSettings, Leg, RobotModel
 from robotwalk.orientation import GroundPlane
 from robotwalk.plumb import Turn
@@ -41,7 +42,6 @@ _SEARCH = 0.2  # s that a search takes, about
 _HINDERING = 0.05  # of the twist; a foot that bears less until its turn holds the body fast, and steps out of it
 _PROVEN = 0.1  # s that a foot must have been felt to stand; others lift off before only as long as it does
 _STRUCK_FOR = 0.025  # s; gears with backlash jolt, too, but not for long
-_SURE_AFTER = 0.15  # s
 _BUMPS = 3  # in one swing, after which the foot stands where it is
 _HIGHER = 0.02  # m that each of them adds to the lift
 _CALMING = 0.9  # of that stays after each step without a surprise
@@ -55,7 +55,7 @@ class Footfalls(NamedTuple):
     planted: tuple[bool, ...]
     footprints: tuple[tuple[float, float], ...]  # in odom, m: where each foot stands, or will be set down
     stood: tuple[Vec3, ...]  # in odom, m: where each foot stands, or stood last
-    late: bool  # some foot's swing goes on past its turn: the needle has to wait
+    late: bool  # some foot's swing goes on past its turn, or its lift-off waits: the needle has to wait, too
     searching: bool  # a foot found none below it, and looks around or goes back
     giving_up: GivingUp | None  # a foot that found no ground at all, or is held back
 
@@ -75,6 +75,8 @@ class Stepping:
         self._held = False  # a lift-off waits, for a foot that stands bears nothing
         self._random = Random(0)
         self._phase = 0.0  # of the needle
+        shares = model.contact is not None and model.contact.share_load
+        self._sharing = LoadSharing(self._weight, len(model.legs)) if shares else None
         self._senses: Sequence[Sense | None] = (None,) * len(model.legs)
         self._plane = GroundPlane()
         self.room = MOST_ROOM  # share of its largest stride that a foot may be from rest, as the body is carried
@@ -138,13 +140,15 @@ class Stepping:
 
     def _bearable(self, gait: Gait, waits: Sequence[float], course: Pose, twist: Twist) -> float:
         share = 1.0
+        # A body that shifts chases its aim while the course goes on: the less feet may stretch, the sooner it is there.
+        strict = gait.free is not None or gait.balance is not None
         for foot, wait, sense in zip(self._feet, waits, self._senses, strict=True):
             foot.hindering = False
             if foot.sector is not None:
                 continue
             (dx, dy), (ux, uy) = foot.offset(course), passing(foot.leg, twist)
             # Farther where it may stand where it found ground, or wait for others that look for it.
-            usual = USUAL_ROOM if sense is None or gait.free is not None else MOST_ROOM
+            usual = USUAL_ROOM if sense is None or strict else MOST_ROOM
             limit = min(usual, self.room) * foot.leg.max_stride
             wx, wy = ux * wait, uy * wait
             if (dx - wx) ** 2 + (dy - wy) ** 2 > limit * limit:
@@ -209,6 +213,8 @@ class Stepping:
                 self._keep_ground(foot, self._senses[index], clock.gait.feet[index][0], loads[index], dt)
         unsure = any(foot.lost_for > 0.0 and foot.borne_for < _PROVEN for foot in self._feet if foot.sector is None)
         hold, self._held = hold or unsure, False
+        if self._sharing is not None:
+            self._sharing.step(self._feet, self._senses, loads, dt)
         if clock.gait.free is not None:
             self._step_freely(clock.gait.free, clock, course, twist, dt, hold, up)
             return self.footfalls()
@@ -225,6 +231,8 @@ class Stepping:
                 continue
             if hold:
                 self._held = unsure
+                continue
+            if self._sharing is not None and not self._sharing.lets_go(foot, self._feet, self._senses, loads, dt):
                 continue
             in_air.add(index)
             share = (1.0 - sector.progress(clock.phase)) * sector.length
@@ -268,7 +276,7 @@ class Stepping:
             tuple([foot.sector is None for foot in feet]),
             tuple([foot.target[:2] for foot in feet]),
             tuple([foot.stood for foot in feet]),
-            any(self._is_late(foot) for foot in feet),
+            any(self._is_late(foot) for foot in feet) or (self._sharing is not None and self._sharing.waiting),
             any(search.phase is not Phase.DOWN for search in searching),
             self._giving_up() if searching else None,
         )
@@ -386,7 +394,7 @@ class Stepping:
     def _go_on_searching(self, foot: Foot, search: Search, sense: Sense | None, dt: float) -> None:
         touching = sense is not None and sense.sure and search.feels
         foot.touched_for = foot.touched_for + dt if touching else 0.0
-        if touching and search.phase is not Phase.DOWN and foot.touched_for < _SURE_AFTER:
+        if touching and foot.touched_for < search.sure_after:
             return  # keep still: ground stays, a jolt does not
         if sense is not None and touching:
             self._be_surprised(abs(foot.target.z - sense.place.z) - _AS_FELT)

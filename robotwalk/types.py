@@ -34,6 +34,13 @@ class Pose(NamedTuple):
     yaw: float
 
 
+class Tilt(NamedTuple):
+    """How a body lies against gravity, as the roll and pitch of a Pose."""
+
+    roll: float  # rad
+    pitch: float  # rad
+
+
 UP = Vec3(0.0, 0.0, 1.0)
 LEVEL = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 STILL = Twist(0.0, 0.0, 0.0)

@@ -7,16 +7,17 @@ and results pass through as they are.
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
-from robotwalk.contact import FootSense
+from robotwalk.contact import Felt, FootSense
 from robotwalk.controller import NOTHING_WANTED, Controller, Wanted
-from robotwalk.estimator import Estimate, Odometry, tilted, told_by
+from robotwalk.estimator import Estimate, Odometry, tilted
 from robotwalk.folded import Folded
 from robotwalk.model import RobotModel
 from robotwalk.stability import Stability, stability
 from robotwalk.statics import up_in_base
 from robotwalk.supervisor import State
 from robotwalk.support import Masses
-from robotwalk.types import Command, FootSwitch, ImuState, JointState, Pose
+from robotwalk.tilt_by_load import TiltByLoad
+from robotwalk.types import STILL, Command, FootSwitch, ImuState, JointState, Pose, Tilt
 
 
 class Part(NamedTuple):
@@ -41,6 +42,9 @@ class Walker:
         self._masses = Masses(model)
         self._tells_stability = model.tells_stability
         self._sense = sense
+        levelled_by_load = model.levelling is not None and model.levelling.by == "load"
+        self._plumb = TiltByLoad(model) if sense is not None and levelled_by_load else None
+        self._tilt: Tilt | None = None
         self._part = part
         self._wanted = NOTHING_WANTED
 
@@ -63,15 +67,20 @@ class Walker:
             joints = _part_of(joints, part.slots)
             switches = [switches[leg] for leg in part.legs] if switches else ()
         centre, feet = self._masses.centre_and_feet(joints.position)
-        step = self._odometry.step(joints, feet, wanted.planted, wanted.twist, dt)
-        estimate = told_by(imu, tuple(switches), step)
-        stable = stability(centre, feet, wanted.planted, estimate.pose) if self._tells_stability else None
+        estimate = self._odometry.step(joints, feet, wanted.planted, wanted.twist, dt)
+        tilt = Tilt(imu.roll, imu.pitch) if imu is not None and imu.valid else None
+        felt: tuple[Felt | None, ...] = ()
         if self._sense is not None and wanted.legs and feel:
-            lying = tilted(wanted.pose, imu)
+            lying = tilted(wanted.pose, tilt if self._plumb is None else self._tilt)
             up = up_in_base(lying.roll, lying.pitch)
             felt = self._sense.step(joints, wanted.legs, up, dt, tuple(switches))
-            estimate = estimate._replace(felt=felt)
-        return estimate, stable
+            if self._plumb is not None:
+                moving = wanted.twist != STILL
+                tilt = self._plumb.step(felt, estimate.feet, centre, wanted.pose, dt if moving else 0.0)
+        self._tilt = tilt
+        pose = tilted(estimate.pose, tilt)
+        stable = stability(centre, feet, wanted.planted, pose) if self._tells_stability else None
+        return estimate._replace(pose=pose, tilt=tilt, imu=imu, felt=felt, switches=tuple(switches)), stable
 
     def step(self, state: State, command: Command, estimate: Estimate, dt: float) -> Wanted:
         """Advance by `dt` s; return what is wanted of all joints of the whole robot."""

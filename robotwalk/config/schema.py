@@ -153,11 +153,12 @@ class ReactionConfig(Section):
 
 
 class LevellingConfig(Section):
-    """How the body is kept level by the IMU (ARTH section 5.6)."""
+    """How the body is kept level, by an IMU or by the feet's loads (ARTH section 5.6)."""
 
     c1_per_s2: Annotated[float, Field(gt=0, le=100)] = 36.0  # angular acceleration per angle that it is off
     c2_per_s: Annotated[float, Field(gt=0, le=100)] = 12.0  # and its damping; 2 sqrt(c1) is critical
     limit_deg: Annotated[float, Field(gt=0, le=45)] = 12.0  # of the correction, in roll and in pitch
+    by: Literal["imu", "load"] = "imu"  # load: how the weight lies on the feet, as `contact` feels it
 
 
 class OrientationConfig(Section):
@@ -181,7 +182,10 @@ class ContactConfig(Section):
     slip: bool = True  # a foot that loses its load steps anew
     caution_mm: Annotated[float, Field(ge=0, le=100)] = 25.0  # most that is added to lifts where ground surprised
     keep_pace: bool = True  # the way lost while a foot looks for ground is made up for, a little faster
+    share_load: bool = False  # feet that bear less than is due press down, and no foot lifts off before the others bear
+    sure_after_ms: Annotated[float, Field(ge=0, le=500)] = 0.0  # for how long a foot below must feel ground to stand
     up_to_mps: Positive | None = None  # of any foot over the ground; faster, it is felt too late. None: always
+    gaits: list[str] | None = None  # in which all this is done, and the body levelled by load. None: all
 
 
 class FeedForwardConfig(Section):
@@ -202,7 +206,7 @@ class LocomotionConfig(Section):
     min_swing_s: Positive
     swing_path: SwingPathConfig
     solver: Solver | None = None  # of inverse kinematics; None: a closed form where there is one, else ccd
-    levelling: LevellingConfig | None = None  # None: off; else the robot needs an IMU
+    levelling: LevellingConfig | None = None  # None: off; else the robot needs an IMU, or `contact`
     contact: ContactConfig | None = None  # None: it walks as if the ground were flat
     orientation: OrientationConfig | None = None  # None: the body stays level and at one height
     feed_forward: FeedForwardConfig = FeedForwardConfig()

@@ -6,9 +6,10 @@ from itertools import pairwise
 
 import pytest
 
+from robotwalk import assembly
 from robotwalk.levelling import Levelling
 from robotwalk.model import LevellingSettings
-from robotwalk.types import LEVEL, ImuState, Pose
+from robotwalk.types import LEVEL, Pose, Tilt
 
 SETTINGS = LevellingSettings(36.0, 12.0, math.radians(12.0))
 DT = 0.01
@@ -20,7 +21,7 @@ class Ground:
     def __init__(self, roll: float, pitch: float, late: int = 8) -> None:
         self.roll, self.pitch = roll, pitch
         self.told: deque[Pose] = deque([LEVEL], maxlen=late)
-        self.levelling = Levelling(SETTINGS)
+        self.levelling = Levelling(assembly.load("hexapod").model, SETTINGS)
 
     def settle(self, seconds: float, wanted: Pose = LEVEL, valid: bool = True) -> list[tuple[float, float]]:
         """Return the body's roll and pitch against gravity, tick by tick."""
@@ -28,8 +29,7 @@ class Ground:
         for _ in range(round(seconds / DT)):
             tilt = self.roll + self.told[0].roll, self.pitch + self.told[0].pitch
             tilts.append(tilt)
-            imu = ImuState(*tilt, 0.0, None, None, age=0.0, valid=valid)
-            self.told.append(self.levelling.step(wanted, self.told[-1], imu, DT))
+            self.told.append(self.levelling.step(wanted, self.told[-1], Tilt(*tilt) if valid else None, DT))
         return tilts
 
 
