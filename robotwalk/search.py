@@ -71,6 +71,11 @@ class Search:
         return self._settings.sure_after if self.phase is Phase.DOWN else _SURE_AFTER
 
     @property
+    def waits(self) -> bool:
+        """Whether it feels down with a pause at whatever it touches: a leg that keeps still feigns no load."""
+        return self.phase is Phase.DOWN and self._settings.sure_after > 0.0
+
+    @property
     def gave_up(self) -> bool:
         """Whether there was no ground, below or around."""
         return self.phase in (Phase.NEARER, Phase.HOME)

@@ -72,7 +72,6 @@ class Stepping:
         self._contact = model.contact
         self._weight = model.mass * GRAVITY
         self._caution = 0.0  # m added to the lift of every foot where the ground has surprised
-        self._held = False  # a lift-off waits, for a foot that stands bears nothing
         self._random = Random(0)
         self._phase = 0.0  # of the needle
         shares = model.contact is not None and model.contact.share_load
@@ -212,7 +211,7 @@ class Stepping:
                 foot.settle(dt)
                 self._keep_ground(foot, self._senses[index], clock.gait.feet[index][0], loads[index], dt)
         unsure = any(foot.lost_for > 0.0 and foot.borne_for < _PROVEN for foot in self._feet if foot.sector is None)
-        hold, self._held = hold or unsure, False
+        hold = hold or unsure
         if self._sharing is not None:
             self._sharing.step(self._feet, self._senses, loads, dt)
         if clock.gait.free is not None:
@@ -227,10 +226,7 @@ class Stepping:
                 foot.spent = None
             sector = self._due(foot, index, clock.gait, clock.phase)
             idle = twist == STILL and foot.at_rest(course)
-            if sector is None or idle or not clock.gait.lifts_together(in_air | {index}):
-                continue
-            if hold:
-                self._held = unsure
+            if sector is None or idle or hold or not clock.gait.lifts_together(in_air | {index}):
                 continue
             if self._sharing is not None and not self._sharing.lets_go(foot, self._feet, self._senses, loads, dt):
                 continue
@@ -238,7 +234,8 @@ class Stepping:
             share = (1.0 - sector.progress(clock.phase)) * sector.length
             foot.lift_off(sector, share, clock.gait.swing_path, foot.leg.lift + self._caution)
             self._move(index, foot, sector, clock, course, twist, dt, up)
-        if not hold:
+        # A body that shifts is above its feet for the one whose turn it is, and for no other.
+        if not hold and clock.gait.balance is None:
             self._relieve(clock, in_air)
         return self.footfalls()
 
@@ -392,7 +389,7 @@ class Stepping:
         return back > max(_BUMP * self._weight, _STEEP * sense.push.z)
 
     def _go_on_searching(self, foot: Foot, search: Search, sense: Sense | None, dt: float) -> None:
-        touching = sense is not None and sense.sure and search.feels
+        touching = sense is not None and search.feels and (sense.sure or (search.waits and sense.touching))
         foot.touched_for = foot.touched_for + dt if touching else 0.0
         if touching and foot.touched_for < search.sure_after:
             return  # keep still: ground stays, a jolt does not

@@ -41,7 +41,7 @@ def test_up_a_ramp_it_keeps_its_body_level(robot: Path) -> None:
 
 def test_on_uneven_ground_all_its_feet_bear(robot: Path) -> None:
     report = rig.walk(
-        assembly.load(str(robot)), terrain="rough_15", speed=0.04, duration=15.0, gait="crawl", seed=0)
+        assembly.load(str(robot)), terrain="rough_15", speed=0.04, duration=24.0, gait="crawl", seed=1)
     assert not report["fell"]
-    assert report["distance_m"] > 0.9 * 0.6
-    assert report["max_tilt_deg"] < 8.0
+    assert report["distance_m"] > 0.9 * 0.96
+    assert report["max_tilt_deg"] < 6.0
