@@ -57,7 +57,7 @@ class Safety:
         self._falls = FallWatch(model, drives, model.safety.fall, 1.0 / rate_hz)
         self._overruns = Overruns(model.safety.overruns, rate_hz)
         self._recovery = Recovery(model.joint_names, bus, model.safety.recovery)
-        self._stuck = StuckJoints(len(model.joints), 1.0 / rate_hz)
+        self._stuck = StuckJoints(drives, 1.0 / rate_hz, load=model.leads.load)
         self._silent: dict[int, str] = {}  # joints that do not answer, and since when, in words
         self._alerted = Agreement()
         self._unclear = Agreement(rate_hz)  # for a second it was not to be learnt what is wrong
@@ -92,9 +92,11 @@ class Safety:
             patients.clear()
         stuck: tuple[int, ...] = ()
         if supervisor.state is State.WALK:
-            stuck = self._stuck.step(goals, joints.position, joints.valid)
+            stuck = self._stuck.step(goals, wanted.torques, joints)
             for slot in stuck:
                 patients.setdefault(slot, f"joint {self._joints[slot]} is stuck: it does not move as it is sent")
+        else:
+            self._stuck.reset()
         treated = self._recovery.step(patients, seated=seated and supervisor.state is State.MEND, hopeless=stuck)
         dead: frozenset[int] = frozenset()
         if treated.lost:

@@ -1,51 +1,79 @@
 """Joints that do not go where they are sent, though their servos answer and pull: something holds them fast.
 
-Looked at over whole windows: a joint whose goals went to and fro, and which itself hardly moved. One joint is sampled
-in each tick, in turn.
+A joint that moves is not stuck, however far it is behind. One that does not is stuck only if a slow joint, sent the
+same way, had gone to and fro meanwhile. Goals themselves do not tell that: they lead by far more than a joint can
+follow (see `robotwalk.feedforward`), and by what it bears while it stands still.
 """
 
 import math
 from collections.abc import Sequence
 
-_WINDOW = 0.8  # s
-_SENT = 0.2  # rad that its goals must have covered for that to tell anything
-_SHARE = 0.2  # of that; a joint that covered less is stuck
-_AGREEING = 2  # windows in a row
+from robotwalk.types import DriveResponse, JointState
+
+_MOVED = 0.05  # rad, more than what holds a joint fast gives
+_SENT = 0.2  # rad that a slow joint must have gone, to count as sent
+_TRIPS = 2  # there and back
+_STILL = 0.3  # s that it does not move after that either
+_PACE = 0.5  # of its speed without load that a slow joint reaches
+_UNSEEN = 0.1  # s without an answer after which a joint may have been anywhere
 
 
 class StuckJoints:
-    """Looks at goals and positions of one robot's joints."""
+    """Looks at goals and positions of one robot's joints, all of them in every tick: in between they go to and fro."""
 
-    def __init__(self, count: int, dt: float) -> None:
-        """Look at `count` joints, one every `dt` s."""
-        self._count = count
-        self._samples = max(round(_WINDOW / (count * dt)), 4)  # in a window
-        self._next = 0
-        self._taken = 0
-        self._windows = [0] * count  # in a row, in which it was stuck
-        self._begin()
+    def __init__(self, drives: Sequence[DriveResponse], dt: float, *, load: bool = True) -> None:
+        """Look at joints that follow like these `drives`, every `dt` s; `load`: their goals lead by what they bear."""
+        self._count = len(drives)
+        self._share = tuple([dt / (dt + drive.damping + math.sqrt(drive.inertia)) for drive in drives])
+        self._step = tuple([_PACE * drive.max_speed * dt for drive in drives])
+        self._stiffness = tuple([drive.stiffness if load else math.inf for drive in drives])
+        self._still = round(_STILL / dt)
+        self._began = False
 
-    def _begin(self) -> None:
-        self._lowest = [(math.inf, math.inf)] * self._count  # goal and position
-        self._highest = [(-math.inf, -math.inf)] * self._count
+    def reset(self) -> None:
+        """Begin anew: what follows has nothing to do with what was."""
+        self._began = False
 
-    def step(self, goals: Sequence[float], positions: Sequence[float], valid: Sequence[bool]) -> tuple[int, ...]:
-        """Look at the next joint; return those that are stuck, at the end of a window that shows it."""
-        index = self._next
-        if valid[index]:
-            goal, here = goals[index], positions[index]
-            (low_goal, low), (high_goal, high) = self._lowest[index], self._highest[index]
-            self._lowest[index] = min(goal, low_goal), min(here, low)
-            self._highest[index] = max(goal, high_goal), max(here, high)
-        self._next = (index + 1) % self._count
-        if self._next:
-            return ()
-        self._taken += 1
-        if self._taken < self._samples:
-            return ()
-        self._taken = 0
-        for slot, ((low_goal, low), (high_goal, high)) in enumerate(zip(self._lowest, self._highest, strict=True)):
-            sent, went = high_goal - low_goal, high - low
-            self._windows[slot] = self._windows[slot] + 1 if sent > _SENT and went < _SHARE * sent else 0
-        self._begin()
-        return tuple([slot for slot, windows in enumerate(self._windows) if windows >= _AGREEING])
+    def _begin(self, positions: Sequence[float]) -> None:
+        self._began = True
+        self._anchor = list(positions)  # where each was when it last moved
+        self._slow = list(positions)  # where a slow joint would be
+        self._low, self._high = list(positions), list(positions)  # it was at, since the joint moved and it turned
+        self._way = [0] * self._count  # that it goes, 1 or -1; 0: it has not gone far since the joint moved
+        self._trips = [0] * self._count  # of the slow one since then, there or back
+        self._rested = [0] * self._count  # ticks since it was back
+
+    def step(self, goals: Sequence[float], torques: Sequence[float], joints: JointState) -> tuple[int, ...]:
+        """Look at all joints; return those that are stuck.
+
+        Args:
+            goals: that were sent last, rad.
+            torques: that they lead for, N m.
+            joints: as measured.
+        """
+        if not self._began:
+            self._begin(joints.position)
+        anchor, slow, low, high = self._anchor, self._slow, self._low, self._high
+        way, trips, rested = self._way, self._trips, self._rested
+        for slot, (goal, torque, here, age, share, step, stiffness) in enumerate(zip(
+            goals, torques, joints.position, joints.age, self._share, self._step, self._stiffness, strict=True,
+        )):
+            last = slow[slot]
+            ahead = share * (goal - torque / stiffness - last)
+            now = slow[slot] = last + (step if ahead > step else -step if ahead < -step else ahead)
+            if age > _UNSEEN or not -_MOVED < here - anchor[slot] < _MOVED:
+                anchor[slot], low[slot], high[slot], way[slot], trips[slot], rested[slot] = here, now, now, 0, 0, 0
+                continue
+            if now > high[slot]:
+                high[slot] = now
+            elif now < low[slot]:
+                low[slot] = now
+            if way[slot] <= 0 and now - low[slot] > _SENT:
+                way[slot], high[slot] = 1, now
+                trips[slot] += 1
+            elif way[slot] >= 0 and high[slot] - now > _SENT:
+                way[slot], low[slot] = -1, now
+                trips[slot] += 1
+            if trips[slot] >= _TRIPS:
+                rested[slot] += 1
+        return tuple([slot for slot, ticks in enumerate(rested) if ticks > self._still])

@@ -45,6 +45,15 @@ def test_a_hexapod_walks_on_with_five_legs(fault: str, joint: str, tilt_deg: flo
     assert bystander.sees_it_down()
 
 
+def test_a_healthy_joint_that_lags_is_not_taken_for_stuck() -> None:
+    """In a fast stroll the femurs' goals lead by a radian, for less time than a joint needs to follow."""
+    with assembly.simulate("hexapod").robot as walker:
+        walker.stand()
+        walker.walk(vx=-0.24, seconds=3.5, gait="stroll")
+        walker.walk(vx=0.24, seconds=3.0, gait="stroll")
+    assert [event for event in walker.events if event.kind in ("mend", "legs")] == []
+
+
 @pytest.mark.parametrize("dead", ["coxa", "femur", "tibia"])
 def test_a_folded_leg_clears_the_ground_wherever_its_dead_joint_hangs(dead: str) -> None:
     model = assembly.load("hexapod").model
