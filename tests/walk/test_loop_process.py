@@ -70,6 +70,8 @@ def test_the_guardian_takes_over_a_robot_whose_loop_is_gone_in_mid_stride(
     for device in devices(robot, tmp_path):
         walk = device.start_walking()
         loop = loop_of(walk)
+        mapped = Path(f"/proc/{loop}/maps").read_text()
+        assert "yaml" in mapped and not re.search("numpy|mujoco", mapped), "it locks only what it needs into memory"
         gone = time.monotonic()
         os.kill(loop, number)
         _, err = walk.communicate(timeout=60)
