@@ -33,23 +33,26 @@ class Interrupts:
         self._before = {}
 
     def heed_only_ctrl_c(self) -> None:
-        """From now on only a Ctrl-C counts: the robot is sitting down, and a hang-up that comes twice asks no more."""
-        self._came.clear()
+        """From now on only a new Ctrl-C counts: the robot sits down, and a hang-up that comes twice asks no more."""
+        self._came = [number for number in self._came if number != signal.SIGINT]
         self._sitting = True
 
-    def check(self) -> None:
+    def check(self, *, held: bool = False) -> None:
         """Raise what the oldest signal not yet raised stands for.
+
+        Args:
+            held: the robot is held in place, so it cannot sit down: all signals count.
 
         Raises:
             KeyboardInterrupt: for SIGINT.
             SystemExit: for the others, with the exit code that shells use, 128 + the signal's number.
         """
-        if self._came:
+        while self._came:
             number = self._came.pop(0)
             if number == signal.SIGINT:
                 raise KeyboardInterrupt
-            raise SystemExit(128 + number)
+            if held or not self._sitting:
+                raise SystemExit(128 + number)
 
     def _note(self, number: int, frame: FrameType | None) -> None:
-        if number == signal.SIGINT or not self._sitting:
-            self._came.append(number)
+        self._came.append(number)

@@ -234,11 +234,13 @@ class Loop:
     def freeze(self) -> None:
         """Hold every joint where it is, through the gate: measured if it answered, else where it was sent.
 
-        Nobody need talk to the servos any more.
+        Nobody need talk to the servos any more. A robot that is held already keeps its goals: it would sag, for joints
+        that bear something rest below what they are sent to.
         """
         self._taped("freeze")
+        here = self._goals if self.state is State.HELD else self._measured()
         for _ in range(2):  # nobody acknowledges goals
-            self._goals = self.gate.step(self._measured(), 1.0 / self.rate_hz)
+            self._goals = self.gate.step(here, 1.0 / self.rate_hz)
             self._bus.exchange(self._goals, self.period)
         self._bus.pause()
 

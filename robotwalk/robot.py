@@ -81,7 +81,7 @@ class Robot:
 
     Each call that moves the robot returns when the motion is over. Ctrl-C, SIGTERM and SIGHUP are taken
     between ticks: the first one leaves the block, so the robot sits; a Ctrl-C while it sits down freezes it
-    as it is, with torque on.
+    as it is, with torque on, and so do SIGTERM and SIGHUP while somebody's `stop` holds it.
 
     On a bus the loop goes on between calls, in its own process: a program may take its time, and one that is killed
     leaves a robot that sits down. In simulation no time passes then; a loop in this process has the servos hold their
@@ -272,13 +272,16 @@ class Robot:
 
         Raises:
             SafetyStop: the robot was coming down for a fault, or could not sit.
+            SystemExit: see `await_clear`.
         """
         while True:
             try:
                 self.await_clear()
                 self._sit()
-            except Held:
-                continue
+            except RobotwalkError:
+                if self.loop.state is not State.HELD:
+                    raise
+                continue  # held on its way, or so lately that the loop refused what was asked of it
             break
         self._disarm()
 
@@ -295,10 +298,18 @@ class Robot:
             self._run(_LONGEST_SIT_DOWN, until=lambda tick: tick.state is State.READY, what="sit")
 
     def await_clear(self) -> None:
-        """Wait for as long as somebody's `stop` holds the robot in place; then it is on its way down, and may stand."""
+        """Wait for as long as somebody's `stop` holds the robot in place; then it is on its way down, and may stand.
+
+        Raises:
+            SystemExit: told to end meanwhile, by SIGTERM or SIGHUP; the robot is left as it is, with torque on.
+        """
         if self.loop.state is State.HELD:
-            while self._tick().state is State.HELD:
-                self._interrupts.check()
+            try:
+                while self._tick().state is State.HELD:
+                    self._interrupts.check(held=True)
+            except SystemExit:
+                self._freeze()
+                raise
 
     def conditions(self) -> Mapping[str, ServoCondition]:
         """Return what each servo last told of itself, by its joint: voltage, temperature, current, faults."""
@@ -334,7 +345,11 @@ class Robot:
             self.note("black_box", self.black_box.save(text, self.events))
 
     def close(self) -> None:
-        """Sit down if need be, switch torque off, give the ports back. A Ctrl-C meanwhile freezes the robot."""
+        """Sit down if need be, switch torque off, give the ports back. A Ctrl-C meanwhile freezes the robot.
+
+        Raises:
+            KeyboardInterrupt, SystemExit: the robot is frozen, by a Ctrl-C or as `await_clear` says.
+        """
         self._entered = False
         try:
             if not self.frozen:
@@ -465,8 +480,8 @@ class Robot:
         for _ in range(round(_LONGEST_SIT_DOWN * self.loop.rate_hz)):
             if self._tick().state is State.STOP:
                 break
+            self.await_clear()  # first: it heeds signals in its own way
             self._interrupts.check()
-            self.await_clear()
         self._disarm()
         self.note("safety_stop", reason)
         raise SafetyStop(

@@ -57,6 +57,22 @@ def test_each_of_several_is_raised_in_its_turn(interrupts: Interrupts) -> None:
     interrupts.check()
 
 
+def test_on_the_way_down_only_a_new_ctrl_c_counts_but_all_that_come_while_the_robot_is_held(
+    interrupts: Interrupts
+) -> None:
+    send(signal.SIGINT, signal.SIGHUP)
+    interrupts.heed_only_ctrl_c()
+    with pytest.raises(SystemExit) as stop:
+        interrupts.check(held=True)  # as it was already when that came
+    assert stop.value.code == 129
+    send(signal.SIGTERM)
+    interrupts.check()
+    interrupts.check(held=True)  # what came before is past
+    send(signal.SIGTERM, signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        interrupts.check()
+
+
 def test_the_signals_are_given_back(interrupts: Interrupts) -> None:
     interrupts.restore()
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
