@@ -1,7 +1,8 @@
 """One robot, from its chair and back: `stand`, `walk`, `follow`, `sit`."""
 
+import contextlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType, TracebackType
 from typing import NamedTuple, Self
 
@@ -340,9 +341,20 @@ class Robot:
         event = Event(round(self._seconds, 3), kind, text)
         self.events.append(event)
         if self._recorder is not None:
-            self._recorder.event(self._last.time if self._last else 0, event)
+            with self._noting("in the log"):
+                self._recorder.event(self._last.time if self._last else 0, event)
         if kind in _STOPS and self.black_box is not None:
-            self.note("black_box", self.black_box.save(text, self.events))
+            with self._noting("in the black box"):
+                self.note("black_box", self.black_box.save(text, self.events))
+
+    @contextlib.contextmanager
+    def _noting(self, where: str) -> Iterator[None]:
+        """Make an event, and no more, of an error that must not keep the robot from being stopped."""
+        try:
+            yield
+        except Exception as error:
+            # Straight to the list: it may be the log that failed.
+            self.events.append(Event(round(self._seconds, 3), "error", f"{where}: {error!r}"))
 
     def close(self) -> None:
         """Sit down if need be, switch torque off, give the ports back. A Ctrl-C meanwhile freezes the robot.
@@ -358,15 +370,27 @@ class Robot:
         except KeyboardInterrupt:
             self._freeze()
             raise
+        except SafetyStop:
+            raise
+        except Exception as error:
+            self.note("error", f"could not sit down: {error!r}")
+            if isinstance(error, RobotwalkError):
+                raise
+            raise SafetyStop(f"the robot could not sit down: {error!r}") from error
         finally:
             if not self.frozen:
-                self._disarm()
-                self._bus.close()
-                for sensor in (self._imu, self._switches):
-                    if sensor is not None:
-                        sensor.close()
-            self._close_log()
+                with self._noting("as torque was switched off"):
+                    self._disarm()
+                self._close_ports()
+            with self._noting("in the log"):
+                self._close_log()
             self._interrupts.restore()
+
+    def _close_ports(self) -> None:
+        for port in (self._bus, self._imu, self._switches):
+            if port is not None:
+                with self._noting("as a port was given back"):
+                    port.close()
 
     def _close_log(self) -> None:
         failure = self._recorder.close() if self._recorder is not None else None
@@ -403,7 +427,11 @@ class Robot:
     def _disarm(self) -> None:
         """Switch torque off, if we have switched it on, and say so if that cannot be confirmed."""
         if self.loop.armed:
-            self.doubtful = self.loop.disarm()
+            self.doubtful = list(self.model.joint_names)
+            for _ in range(2):
+                with self._noting("as torque was switched off"):
+                    self.doubtful = self.loop.disarm()
+                    break
             if self.doubtful:
                 self.note("torque", f"torque may still be on at {', '.join(self.doubtful)}: cut the power")
         if self.loop.state is State.READY:
@@ -414,8 +442,9 @@ class Robot:
         self.frozen = True
         try:
             self.loop.freeze()
-        except RobotwalkError as error:
-            self.note("error", f"could not freeze: {error}")
+            self._close_ports()
+        except Exception as error:  # its ports stay with the loop, which holds or seats it
+            self.note("error", f"could not freeze: {error!r}")
         self.note("freeze", "frozen in place; torque stays on")
 
     def _run(
@@ -446,7 +475,11 @@ class Robot:
             self.note("safety_stop", str(error))
             raise
         if self.black_box is not None:
-            self.black_box.add(tick, self.loop.command)
+            try:
+                self.black_box.add(tick, self.loop.command)
+            except Exception as error:
+                self.black_box = None
+                self.note("error", f"in the black box: {error!r}")
         for kind, text in tick.news:
             self.note(kind, text)
         barred = tick.wanted.barred

@@ -1,0 +1,97 @@
+"""Whatever fails while a robot is stopped: torque goes off, or is said to be on; ports are given back; it is told."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from robotwalk import assembly
+from robotwalk.errors import SafetyStop
+from robotwalk.loop import Tick
+
+from .test_imu import KINDS, with_imu
+
+CASES = [
+    *[(point, 1) for point in ("loop.tick", "loop.disarm", "_bus.exchange", "observer")],
+    *[(point, 1_000_000) for point in ("loop.tick", "loop.disarm", "_bus.exchange", "observer")],
+    *[(point, 1_000_000) for point in (
+        "_bus.disarm", "_bus.close", "port.write", "_recorder.event", "_recorder.close", "black_box.add",
+        "black_box.save", "_imu.read", "_imu.close")]]
+
+
+class Enough(Exception):
+    """The program that drives the robot fails."""
+
+
+def fail(owner: Any, name: str, times: int) -> Callable[..., Any]:
+    """Return a method that raises a few times, and then does what it did."""
+    works, left = getattr(owner, name), [times]
+
+    def broken(*arguments: Any, **named: Any) -> Any:
+        if left[0] > 0:
+            left[0] -= 1
+            raise RuntimeError("injected")
+        return works(*arguments, **named)
+
+    return broken
+
+
+@pytest.mark.parametrize(("point", "times"), CASES)
+def test_an_error_at_any_point_of_stopping_is_told_and_stops_nothing_else(
+    point: str, times: int, tmp_path: Path,
+) -> None:
+    robot_file = str(with_imu(tmp_path, KINDS["wt901"])) if "imu" in point else "quadruped"
+    simulation = assembly.simulate(robot_file, log=tmp_path / "log.mcap")
+    assembly.add_black_box(simulation, tmp_path)
+    robot, ports = simulation.robot, simulation.world.ports
+    closed: list[str] = []
+
+    def listen(owner: Any, name: str) -> None:
+        close = owner.close
+
+        def told() -> None:
+            closed.append(name)
+            close()
+
+        owner.close = told
+
+    for line, port in ports.items():
+        listen(port, line)
+    owner: Any = robot
+    *path, name = point.split(".")
+    for part in path:
+        owner = ports["legs"] if part == "port" else getattr(owner, part)
+    ticks: list[Tick] = []
+
+    def drive(tick: Tick) -> None:
+        ticks.append(tick)
+        if len(ticks) == 20:
+            raise Enough
+
+    raised: BaseException | None = None
+    try:
+        with robot:
+            robot.observers.append(drive)
+            try:
+                robot.stand()
+            finally:
+                if point == "observer":
+                    robot.observers.append(fail(ticks, "append", times))
+                else:
+                    setattr(owner, name, fail(owner, name, times))
+                if point == "black_box.save":
+                    robot.note("stop", "as a test")
+    except (Enough, SafetyStop) as error:
+        raised = error
+    assert raised is not None
+    on = {joint for joint, servo in zip(robot.model.joint_names, simulation.world.servos, strict=True)
+          if servo.table["torque_enable"]}
+    assert on <= set(robot.doubtful)
+    assert bool(robot.doubtful) == (robot.torque_doubt is not None)
+    if times == 1:
+        assert on == set()
+    if point != "_bus.close":
+        assert set(closed) >= {"legs"}
+    told = [event.text for event in robot.events if event.kind in ("error", "torque", "log", "safety_stop")]
+    assert any("injected" in text for text in told) or (point == "port.write" and told), robot.events
