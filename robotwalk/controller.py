@@ -247,8 +247,8 @@ class Controller:
         return pose._replace(z=pose.z + change.z, roll=pose.roll + change.roll, pitch=pose.pitch + change.pitch)
 
     def _keep_upright(self, estimate: Estimate, dt: float) -> None:
-        """Turn odom, and all that stands in it, upright under the body; by load, what is felt is turned instead."""
-        if self._orientation is None or self._by_load or not self._felt:
+        """Turn odom, and all that stands in it, upright under the body."""
+        if self._orientation is None or not self._felt:
             return
         turn = self._plumb.step(self._pose, estimate.felt, self._footfalls.planted, estimate.imu, dt)
         if turn is not None:
