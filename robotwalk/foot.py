@@ -72,6 +72,7 @@ class Foot:
 
     def _land(self) -> None:
         self.swing = self.sector = self.search = None
+        self.bumps = 0
         self.overdue = False
         self.lost_for = self.touched_for = self.borne_for = 0.0
 

@@ -45,7 +45,9 @@ _STRUCK_FOR = 0.025  # s; gears with backlash jolt, too, but not for long
 _BUMPS = 3  # in one swing, after which the foot stands where it is
 _HIGHER = 0.02  # m that each of them adds to the lift
 _CALMING = 0.9  # of that stays after each step without a surprise
-_BACK = 0.01  # m that a foot draws back when it is struck
+_BACK = 0.03  # m that a foot draws back when it is struck; more than it lags behind as it sets off again
+_LEAST_WAY = 0.01  # m; a shorter step has no way along which a foot could be held back
+_DRAWN_BACK = 0.25  # of a swing, in which it rises more than it goes ahead; by then it has drawn back
 
 
 class Footfalls(NamedTuple):
@@ -338,8 +340,9 @@ class Stepping:
                 foot.overdue = True
                 foot.search = Search(contact, foot.path, foot.leg.lift, foot.stood, foot.place, self._random)
             return
-        if not foot.free:
-            foot.free = not sense.touching
+        if not foot.free:  # from what it stood on, or from what it was struck by: it lags behind as it draws back
+            drawn_back = foot.bumps == 0 or swing.progress >= _DRAWN_BACK or not self._struck(foot, sense)
+            foot.free = drawn_back and not sense.touching
             return
         above = sense.place.z - foot.target.z
         struck = (swing.progress <= _BUMP_UNTIL or above > _AS_EXPECTED) and self._struck(foot, sense)
@@ -385,7 +388,7 @@ class Stepping:
         """Tell whether something holds a foot back on its way."""
         dx, dy = foot.target.x - foot.stood.x, foot.target.y - foot.stood.y
         way = math.hypot(dx, dy)
-        back = -(sense.push.x * dx + sense.push.y * dy) / way if way > _BACK else 0.0
+        back = -(sense.push.x * dx + sense.push.y * dy) / way if way > _LEAST_WAY else 0.0
         return back > max(_BUMP * self._weight, _STEEP * sense.push.z)
 
     def _go_on_searching(self, foot: Foot, search: Search, sense: Sense | None, dt: float) -> None:
