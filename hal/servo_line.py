@@ -104,7 +104,8 @@ class ServoLine:
 
     def cap_torque(self, share: float, servos: Sequence[Wired]) -> None:
         """Bound the output of servos to a share of the largest. Nobody acknowledges it."""
-        self.wire.send(self.cap_frames(share, servos))
+        if servos:
+            self.wire.send(self.cap_frames(share, servos))
 
     def cap_frames(self, share: float, servos: Sequence[Wired]) -> bytes:
         """Return what bounds the output of servos to a share of the largest."""
