@@ -24,6 +24,13 @@ def with_imu(robot: str, folder: Path) -> str:
     return str(path)
 
 
+def feeling_falls(robot: str, folder: Path) -> str:
+    """Write a robot's file, falls told by what its legs bear, and return its path."""
+    path = folder / f"{robot}_falls.yaml"
+    path.write_text(assembly.load(robot).document.text + "\nsafety: {fall: {least_share: 0.25}}\n")
+    return str(path)
+
+
 def set_upright(simulation: assembly.Simulation) -> None:
     """Put the robot back onto its belly, as a person would."""
     world = simulation.world.world
@@ -40,7 +47,8 @@ def test_a_robot_that_is_pushed_over_goes_soft_and_limp_and_stands_again_once_it
     robot: str, imu: bool, force: float, told: str, within: float, tmp_path: Path
 ) -> None:
     push = {"at": AT, "for": 0.3, "fault": "push", "force_n": force, "direction_deg": 90}
-    simulation = assembly.simulate(with_imu(robot, tmp_path) if imu else robot, faults=[push])
+    path = with_imu(robot, tmp_path) if imu else feeling_falls(robot, tmp_path)
+    simulation = assembly.simulate(path, faults=[push])
     bystander = Bystander(simulation)
     ticks: list[Tick] = []
     soft: list[int] = []

@@ -6,7 +6,7 @@ from functools import partial
 import pytest
 
 from robotwalk import assembly
-from robotwalk.assembly.session import robot_of
+from robotwalk.assembly.session import engine_of, robot_of
 from robotwalk.loop import Tick
 
 from . import rig
@@ -32,7 +32,7 @@ def test_on_an_adapter_that_is_slow_feedback_is_spread_over_ticks_and_goals_go_i
     """An adapter with a timer of a millisecond takes that for each of eighteen round trips."""
     blueprint = assembly.load("hexapod_ax12")
     world = assembly.simulated_robot(blueprint, 100, seed=0, adapter="ftdi1")
-    robot, _ = robot_of(blueprint, world.clock, world.ports, 100, None)
+    robot = robot_of(blueprint, engine_of(blueprint, world.clock, world.ports, 100))
     ticks: list[Tick] = []
     before = world.truth().base.x
     with robot:
