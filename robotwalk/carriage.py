@@ -116,8 +116,7 @@ class Bearable:
             off = max(
                 beyond_edge([foot for foot, stands in zip(rest, support.standing, strict=True) if stands], self._centre)
                 for support in gait.supports)
-            # Feet are not at rest then, but up to half a stride away.
-            self._sways[gait] = max(off + gait.balance.margin + 0.25 * max(gait.strides), 0.0)
+            self._sways[gait] = max(off + gait.balance.margin, 0.0)
         return self._sways[gait]
 
     def _reaches(self, carriage: Carriage, spare: float) -> bool:
