@@ -42,7 +42,7 @@ def test_a_wire_cut_for_a_moment_holds_the_robot_and_it_goes_on_without_a_jump()
 def test_joints_that_stay_silent_make_the_robot_sit_at_the_times_of_its_file(tmp_path: Path) -> None:
     own = tmp_path / "own.yaml"
     text = assembly.load("quadruped").document.text
-    own.write_text(text + "\nsafety: {stale: {hold_after_s: 0.1, sit_after_s: 0.3}}\n")
+    own.write_text(text + "\nsafety: {stale: {hold_after_s: 0.1, sit_after_s: 0.3}, recovery: {tries: 0}}\n")
     # It hears and does not answer: it follows to the end.
     silent = {"at": AT, "fault": "drop_reply", "joint": "lf_calf"}
     simulation = assembly.simulate(str(own), faults=[silent])
