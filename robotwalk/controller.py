@@ -87,6 +87,7 @@ class Controller:
         self._plumb = Plumb(model.mass)
         self._foot_course = self._body.course  # the body's, brought down its own axis to the ground
         self._stepping = Stepping(model, self._foot_course)
+        self._stance = self._stepping.stance
         self._orientation = Orientation(model, model.orientation) if model.orientation is not None else None
         self._footfalls = self._stepping.footfalls()
         self._loads: Sequence[float] = ()
@@ -122,7 +123,7 @@ class Controller:
         twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=held)
         self._keep_upright(estimate, dt)
         still = state is State.WALK and not self._idle and (
-            bool(self._cramped) or not self._stepping.within(carriage.room, self._foot_course))
+            bool(self._cramped) or not self._stance.within(carriage.room, self._foot_course))
         over_ground = self._over_ground(self._body.step(twist, height, posture, dt, still=still), dt)
         pose = self._level(over_ground, state, estimate, dt)
         self._turn_needle(twist, bearable, command.period, carriage.part, dt)
@@ -159,14 +160,14 @@ class Controller:
         now, course = self._shaper.twist, self._foot_course
         aim = self._shaper.feasible(twist, gait, part)
         self._fastest_foot = max(gait.foot_speeds(aim))
-        share = bearable = self._stepping.bearable(self._clock, course, aim)
+        share = bearable = self._stance.bearable(self._clock, course, aim)
         faster = self._pace.step(aim, now, share, dt) if self._felt and self._keeps_pace else 1.0
         # A slower gait takes over once the body is slow enough for it.
         if gait is not self._clock.gait and gait.largest_scale(now, part) >= 1.0 - _ROUNDING:
-            ready = self._stepping.change_gait(self._clock, gait, course, now)
+            ready = self._stance.change_gait(self._clock, gait, course, now)
             if ready < 1.0 and aim != STILL:  # slow down until it is
                 share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
-        brake = bool(self._cramped) and self._stepping.fall_behind(self._cramped, course, now)
+        brake = bool(self._cramped) and self._stance.fall_behind(self._cramped, course, now)
         if self._footfalls.searching or brake:
             share = 0.0
         pushes = self._propulsion.step(self._clock, self._footfalls.planted, self._idle)
@@ -186,10 +187,10 @@ class Controller:
         granted = self._bearable.step(height, command.posture, gait if walks else None)
         # On the way to it the body is carried as before, in part.
         if self._body.settled(height, granted.posture):
-            self._stepping.room = granted.room
+            self._stance.room = granted.room
         else:
-            self._stepping.room = min(self._stepping.room, granted.room)
-        return granted._replace(room=self._stepping.room)
+            self._stance.room = min(self._stance.room, granted.room)
+        return granted._replace(room=self._stance.room)
 
     def _shifts(self, posture: Pose) -> bool:
         """Tell whether the body must not yet tip, for it is still beside its place."""
@@ -209,7 +210,7 @@ class Controller:
         # What barred the way may be where feet rest.
         anywhere = bool(self._barriers.near) or self._barriers.unsettled
         still = twist == STILL and self._fastest_foot == 0.0
-        self._idle = still and self._stepping.settled(self._foot_course, anywhere=anywhere)
+        self._idle = still and self._stance.settled(self._foot_course, anywhere=anywhere)
         if was_idle and not self._idle:
             self._clock.rewind()
         elif not self._idle and not self._waiting and not self._footfalls.late:
@@ -217,11 +218,11 @@ class Controller:
 
     def _balance(self, pose: Pose, twist: Twist) -> bool:
         """Aim the body's shift, if the gait asks for it; tell whether lift-offs have to wait for that."""
-        clock, stepping = self._clock, self._stepping
+        clock = self._clock
         balanced = clock.gait.balance is not None and not self._idle
         if not balanced and self._sway.at_rest:
             return False
-        until_lift_off = stepping.until_lift_off(clock)
+        until_lift_off = self._stance.until_lift_off(clock)
         if not balanced:
             return self._sway.release(until_lift_off)
         return self._sway.plan(clock, self._footfalls, self._foot_course, pose, twist, until_lift_off)

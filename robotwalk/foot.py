@@ -2,6 +2,7 @@
 
 import math
 
+from robotwalk.contact import Sense
 from robotwalk.gait import Sector
 from robotwalk.model import Leg
 from robotwalk.plumb import Turn
@@ -25,6 +26,7 @@ class Foot:
         place: of its centre, m, as it is told to be.
         target: where it stands or is being carried to.
         stood: where it stood before the swing under way, or stands.
+        sense: what it feels; None while that is not known or not asked for.
         swing, sector, share, path, lift: the swing under way, whose it is, the turns of the needle that it takes, m.
         search: under way after a swing that found no ground.
         spent: the sector already used in this turn of the needle.
@@ -43,6 +45,7 @@ class Foot:
     def __init__(self, leg: Leg) -> None:
         self.leg = leg
         self.place = self.target = self.stood = Vec3(0.0, 0.0, 0.0)
+        self.sense: Sense | None = None
         self.swing: Swing | None = None
         self.sector: Sector | None = None
         self.share = 0.0

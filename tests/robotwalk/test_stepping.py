@@ -107,15 +107,15 @@ def test_no_swing_is_shorter_than_the_servos_can(robot: Any, seconds: float) -> 
 
 def test_feet_that_wait_too_long_for_their_turn_hold_the_body_back(hexapod: RobotModel, gaits: dict[str, Gait]) -> None:
     stepping, clock = Stepping(hexapod, LEVEL), GaitClock(gaits["wave"])
-    assert stepping.bearable(clock, LEVEL, STILL) == 1.0
-    assert stepping.bearable(clock, LEVEL, Twist(0.01, 0.0, 0.0)) == 1.0
+    assert stepping.stance.bearable(clock, LEVEL, STILL) == 1.0
+    assert stepping.stance.bearable(clock, LEVEL, Twist(0.01, 0.0, 0.0)) == 1.0
     # The last foot's turn is 2.3 s away: 0.2 m/s would stretch it by 470 mm, and about 60 mm are allowed.
-    assert stepping.bearable(clock, LEVEL, Twist(0.2, 0.0, 0.0)) == pytest.approx(0.118, abs=0.01)
+    assert stepping.stance.bearable(clock, LEVEL, Twist(0.2, 0.0, 0.0)) == pytest.approx(0.118, abs=0.01)
     # Feet that are stretched already allow nothing but the way back.
     ahead = advanced(LEVEL, Twist(0.07, 0.0, 0.0), 1.0)
-    assert stepping.bearable(clock, ahead, Twist(0.01, 0.0, 0.0)) == 0.0
-    assert not stepping.settled(ahead)
-    assert stepping.settled(advanced(LEVEL, Twist(0.0014, 0.0, 0.0), 1.0))
+    assert stepping.stance.bearable(clock, ahead, Twist(0.01, 0.0, 0.0)) == 0.0
+    assert not stepping.stance.settled(ahead)
+    assert stepping.stance.settled(advanced(LEVEL, Twist(0.0014, 0.0, 0.0), 1.0))
 
 
 def test_standing_feet_do_not_step_on_the_spot(hexapod: RobotModel, gaits: dict[str, Gait]) -> None:
@@ -131,8 +131,8 @@ def test_a_foot_off_its_place_steps_to_it_though_the_body_stands(hexapod: RobotM
     for _ in range(150):
         clock.advance(STILL, DT, 1.0)
         stepping.step(clock, moved, STILL, DT)
-    assert stepping.settled(moved)
-    assert not stepping.settled(LEVEL)
+    assert stepping.stance.settled(moved)
+    assert not stepping.stance.settled(LEVEL)
 
 
 def test_the_first_feet_stand_where_the_course_begins(hexapod: RobotModel) -> None:

@@ -1,0 +1,148 @@
+"""What feet do about the ground that they feel (ARTH sections 5.4, 6.2, 7.1).
+
+One that is struck on its way down stands there; one that is held back steps higher; one that finds nothing searches,
+and so does one that has lost what it stood on. Each surprise has all feet step higher for a while.
+"""
+
+import math
+from random import Random
+
+from robotwalk.barriers import GivingUp
+from robotwalk.contact import Sense
+from robotwalk.foot import Foot
+from robotwalk.gait import Sector
+from robotwalk.model import ContactSettings
+from robotwalk.search import Phase, Search
+from robotwalk.swing import Swing
+from robotwalk.types import Vec3
+
+_COMING_DOWN = 0.5  # of a swing, from where on a load is a touchdown
+_AS_EXPECTED = 8e-3  # m; a foot struck this near the ground that was expected goes on to it
+_AS_FELT = 3e-3  # m; ground this near to where it was expected is there
+_BUMP_UNTIL = 0.85  # of a swing; later it is the ground
+_BUMP = 0.1  # of the weight, that pushes a foot back on its way: it is struck
+_STEEP = 0.7  # of a load; pushed back by more than this, a foot would slip off what it struck
+_LOST = 0.12  # of the weight, that a foot should bear of which nothing is felt: it has lost its ground
+_LOST_FOR = 0.12  # s of that; loads pass from foot to foot in less
+_STRUCK_FOR = 0.025  # s; gears with backlash jolt, too, but not for long
+_BUMPS = 3  # in one swing, after which the foot stands where it is
+_HIGHER = 0.02  # m that each of them adds to the lift
+_CALMING = 0.9  # of that stays after each step without a surprise
+_BACK = 0.03  # m that a foot draws back when it is struck; more than it lags behind as it sets off again
+_LEAST_WAY = 0.01  # m; a shorter step has no way along which a foot could be held back
+_DRAWN_BACK = 0.25  # of a swing, in which it rises more than it goes ahead; by then it has drawn back
+
+
+class Reflexes:
+    """Of one robot's feet.
+
+    Attributes:
+        caution: m added to the lift of every foot where the ground has surprised.
+    """
+
+    def __init__(self, contact: ContactSettings, weight: float) -> None:
+        """React by the settings of a robot that weighs so much, N."""
+        self.caution = 0.0
+        self._contact = contact
+        self._weight = weight
+        self._random = Random(0)
+
+    def feel(self, foot: Foot, swing: Swing, sector: Sector, sense: Sense, dt: float) -> None:
+        """React to what a swinging foot feels."""
+        contact = self._contact
+        if swing.progress >= 1.0:
+            if sense.touching or contact.reach_down == 0.0:
+                foot.anchor(foot.target)
+                self.caution *= _CALMING
+            else:
+                foot.overdue = True
+                self._search(foot, foot.place)
+            return
+        if not foot.free:  # from what it stood on, or from what it was struck by: it lags behind as it draws back
+            drawn_back = foot.bumps == 0 or swing.progress >= _DRAWN_BACK or not self._struck(foot, sense)
+            foot.free = drawn_back and not sense.touching
+            return
+        above = sense.place.z - foot.target.z
+        struck = (swing.progress <= _BUMP_UNTIL or above > _AS_EXPECTED) and self._struck(foot, sense)
+        foot.struck_for = foot.struck_for + dt if struck else 0.0
+        if contact.step_over and foot.struck_for > _STRUCK_FOR:
+            self._step_over(foot, sector, sense)
+        elif contact.early_touchdown and swing.progress >= _COMING_DOWN and sense.sure and above > _AS_EXPECTED:
+            self._be_surprised(above)
+            foot.anchor(sense.place)
+
+    def keep_ground(self, foot: Foot, sector: Sector, load: float, dt: float) -> None:
+        """Have a standing foot, that should bear a load, N, feel for the ground again that it has lost."""
+        sense = foot.sense
+        if sense is not None and sense.touching:
+            foot.borne_for += dt
+        if sense is None or not self._contact.slip or sense.touching or load < _LOST * self._weight:
+            foot.lost_for = 0.0
+            return
+        foot.lost_for += dt
+        if foot.lost_for >= _LOST_FOR:
+            foot.sector, foot.overdue = sector, True
+            self._search(foot, foot.place)
+
+    def go_on_searching(self, foot: Foot, search: Search, dt: float) -> None:
+        """Search on, until the foot feels ground or is back where it stood."""
+        sense = foot.sense
+        touching = sense is not None and search.feels and (sense.sure or (search.waits and sense.touching))
+        foot.touched_for = foot.touched_for + dt if touching else 0.0
+        if touching and foot.touched_for < search.sure_after:
+            return  # keep still: ground stays, a jolt does not
+        if sense is not None and touching:
+            self._be_surprised(abs(foot.target.z - sense.place.z) - _AS_FELT)
+            # A foot that feels straight down is where it is told to be; one that swings lags behind.
+            if foot.swing is None:  # it stood, and stands again a little lower
+                foot.anchor(search.place)
+                return
+            (x, y, _), (_, _, z) = search.place, foot.target
+            off = sense.place.z - z
+            foot.anchor(Vec3(x, y, z if abs(off) <= _AS_FELT else z + off))
+            return
+        foot.move(search.step(dt), dt)
+        if search.done:
+            foot.plant(foot.stood)
+        elif foot.swing is None and search.phase is not Phase.DOWN:
+            # It stood here, and here is nothing any more: it steps anew.
+            assert foot.sector is not None
+            foot.search, foot.share = None, foot.sector.length
+            foot.rise(foot.place, foot.leg.lift + self.caution)
+
+    def _step_over(self, foot: Foot, sector: Sector, sense: Sense) -> None:
+        """Draw a foot back from what it struck and carry it on higher; at last stand in front of it."""
+        foot.bumps += 1
+        foot.overdue = True
+        self._be_surprised(self._contact.caution)
+        if foot.bumps > _BUMPS:
+            foot.draw_to(sense.place)
+            self._search(foot, sense.place)
+            return
+        dx, dy = foot.target.x - foot.stood.x, foot.target.y - foot.stood.y
+        back = _BACK / (math.hypot(dx, dy) or 1.0)
+        foot.share = sector.length
+        x, y, z = sense.place
+        foot.rise(Vec3(x - back * dx, y - back * dy, z), foot.leg.lift + foot.bumps * _HIGHER)
+
+    def _struck(self, foot: Foot, sense: Sense) -> bool:
+        """Tell whether something holds a foot back on its way."""
+        dx, dy = foot.target.x - foot.stood.x, foot.target.y - foot.stood.y
+        way = math.hypot(dx, dy)
+        back = -(sense.push.x * dx + sense.push.y * dy) / way if way > _LEAST_WAY else 0.0
+        return back > max(_BUMP * self._weight, _STEEP * sense.push.z)
+
+    def _be_surprised(self, by: float) -> None:
+        self.caution = max(self.caution, min(by, self._contact.caution))
+
+    def _search(self, foot: Foot, place: Vec3) -> None:
+        """Begin a search at a place where there should have been ground."""
+        foot.search = Search(self._contact, foot.path, foot.leg.lift, foot.stood, place, self._random)
+
+
+def giving_up(foot: Foot) -> GivingUp | None:
+    """Return what keeps a searching foot from going its way, if it has given up."""
+    if foot.bumps > _BUMPS or (foot.search is not None and foot.search.gave_up and foot.bumps == 0):
+        way = math.atan2(foot.target.y - foot.stood.y, foot.target.x - foot.stood.x)
+        return GivingUp("obstacle" if foot.bumps else "edge", way)
+    return None
