@@ -14,7 +14,6 @@ from robotwalk.kinematics import solver_for
 from robotwalk.levelling import Levelling
 from robotwalk.model import RobotModel
 from robotwalk.orientation import Orientation
-from robotwalk.pace import Pace
 from robotwalk.plumb import Plumb
 from robotwalk.reach import Ranges
 from robotwalk.reaction import Reaction
@@ -26,7 +25,7 @@ from robotwalk.supervisor import State
 from robotwalk.sway import Sway
 from robotwalk.types import LEVEL, STILL, Command, Pose, Twist, Vec3
 from robotwalk.unfold import Unfold
-from robotwalk.velocity import Propulsion, Shaped, VelocityShaper, feasible
+from robotwalk.velocity import Propulsion, Shaped, VelocityShaper
 
 _BESIDE = 5e-3  # m
 _HEADING_GAIN = 2.0  # rad/s per rad off the heading
@@ -93,8 +92,6 @@ class Controller:
         self._loads: Sequence[float] = ()
         self._felt = False  # the feet feel the ground
         self._fastest_foot = 0.0  # m/s over the ground, of the twist to go for
-        self._pace = Pace()
-        self._keeps_pace = model.contact is not None and model.contact.keep_pace
         self._barriers = Barriers()
         self._barred: Barrier | None = None
         self._sway = Sway(model)
@@ -161,7 +158,6 @@ class Controller:
         aim = self._shaper.feasible(twist, gait, part)
         self._fastest_foot = max(gait.foot_speeds(aim))
         share = bearable = self._stance.bearable(self._clock, course, aim)
-        faster = self._pace.step(aim, now, share, dt) if self._felt and self._keeps_pace else 1.0
         # A slower gait takes over once the body is slow enough for it.
         if gait is not self._clock.gait and gait.largest_scale(now, part) >= 1.0 - _ROUNDING:
             ready = self._stance.change_gait(self._clock, gait, course, now)
@@ -171,9 +167,6 @@ class Controller:
         if self._footfalls.searching or brake:
             share = 0.0
         pushes = self._propulsion.step(self._clock, self._footfalls.planted, self._idle)
-        if share >= 1.0 and faster > 1.0:
-            most, _ = feasible(Twist(*(faster * v for v in aim)), self._model.motion, gait, part)
-            share = math.hypot(*most) / math.hypot(*aim)
         return self._shaper.step(twist, gait, dt, share, pushes=pushes, part=part, brake=brake), bearable
 
     def _carriage(self, state: State, command: Command, gait: Gait) -> Carriage:

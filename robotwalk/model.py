@@ -122,7 +122,6 @@ class ContactSettings(NamedTuple):
     search: bool
     slip: bool
     caution: float  # m
-    keep_pace: bool
     fastest: float  # m/s of any foot over the ground
     share_load: bool = False
     sure_after: float = 0.0  # s
@@ -264,7 +263,7 @@ def _reactions(config: ReactionConfig, legs: Iterable[str]) -> Reactions:
 def _contact(config: ContactConfig | None) -> ContactSettings | None:
     return None if config is None else ContactSettings(
         config.early_touchdown, config.step_over, _metres(config.reach_down_mm), config.search, config.slip,
-        _metres(config.caution_mm), config.keep_pace, math.inf if config.up_to_mps is None else config.up_to_mps,
+        _metres(config.caution_mm), math.inf if config.up_to_mps is None else config.up_to_mps,
         config.share_load, 1e-3 * config.sure_after_ms, None if config.gaits is None else tuple(config.gaits))
 
 

@@ -181,7 +181,6 @@ class ContactConfig(Section):
     search: bool = True  # and then around
     slip: bool = True  # a foot that loses its load steps anew
     caution_mm: Annotated[float, Field(ge=0, le=100)] = 25.0  # most that is added to lifts where ground surprised
-    keep_pace: bool = True  # the way lost while a foot looks for ground is made up for, a little faster
     share_load: bool = False  # feet that bear less than is due press down, and no foot lifts off before the others bear
     sure_after_ms: Annotated[float, Field(ge=0, le=500)] = 0.0  # for how long a foot below must feel ground to stand
     up_to_mps: Positive | None = None  # of any foot over the ground; faster, it is felt too late. None: always

@@ -49,7 +49,7 @@ def test_every_system_is_in_the_table_with_its_default() -> None:
 
 @pytest.mark.parametrize("line", [
     "feed_forward: {lag: false, load: false}", "hold_course: false", "stability: false",
-    "contact: {keep_pace: false, caution_mm: 0, early_touchdown: false, step_over: false, reach_down_mm: 0, "
+    "contact: {caution_mm: 0, early_touchdown: false, step_over: false, reach_down_mm: 0, "
     "search: false, slip: false}"])
 def test_a_robots_file_may_turn_it_off(line: str, tmp_path: Path) -> None:
     text = library.open_document("robots", "hexapod").text
@@ -63,4 +63,4 @@ def test_a_robots_file_may_turn_it_off(line: str, tmp_path: Path) -> None:
     assert plain.holds_course is ("hold_course" not in line)
     assert plain.tells_stability is ("stability" not in line)
     assert plain.contact is not None
-    assert plain.contact.keep_pace is ("contact" not in line)
+    assert (plain.contact.caution == 0.0) is ("contact" in line)

@@ -47,8 +47,6 @@ TRIALS = (
     Trial("feed_forward.load", "hexapod", {"locomotion.feed_forward.load": False}, speed=0.1, seconds=8.0),
     Trial("hold_course", "quadruped", {"locomotion.hold_course": False}, speed=0.15, seconds=15.0, servos_off_by=0.15),
     Trial("hold_course", "hexapod", {"locomotion.hold_course": False}, terrain="rough_30"),
-    Trial("contact.keep_pace", "hexapod", {"locomotion.contact.keep_pace": False}, terrain="gap_60"),
-    Trial("contact.keep_pace", "hexapod", {"locomotion.contact.keep_pace": False}, terrain="blocks_60"),
     Trial("contact.caution_mm", "hexapod", {"locomotion.contact.caution_mm": 0}, terrain="stairs_40"),
     Trial("contact.early_touchdown", "hexapod", {"locomotion.contact.early_touchdown": False}, terrain="rough_30"),
     Trial("contact.step_over", "hexapod", {"locomotion.contact.step_over": False}, terrain="stairs_40"),
