@@ -1,23 +1,22 @@
 """One robot, from its chair and back: `stand`, `walk`, `follow`, `sit`."""
 
-import contextlib
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType, TracebackType
 from typing import NamedTuple, Self
 
-from robotwalk.barriers import Kind
 from robotwalk.behaviours import Behaviour
 from robotwalk.black_box import BlackBox
+from robotwalk.chronicle import Chronicle
+from robotwalk.command_check import check_command, check_duration
 from robotwalk.cycle import BusReports, Cycle, SensorReports
 from robotwalk.detour import Detour
-from robotwalk.errors import Held, RobotwalkError, SafetyStop, UsageError
+from robotwalk.errors import RobotwalkError, SafetyStop, UsageError
 from robotwalk.estimator import Estimate
 from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Tick
 from robotwalk.model import RobotModel
+from robotwalk.pilot import LONGEST_SIT_DOWN, Pilot
 from robotwalk.recorder import Event, Recorder
-from robotwalk.sensor_watch import SensorWatch
 from robotwalk.supervisor import Request, State
 from robotwalk.types import (
     LEVEL,
@@ -34,13 +33,6 @@ from robotwalk.types import (
 )
 
 _LONGEST_STAND_UP = 15.0  # s; so long as this, something blocks it
-_LONGEST_SIT_DOWN = 20.0  # s, the last steps included
-_STOPS = ("safety_stop", "stop", "timeout")  # events after which the black box is saved
-_BARRED: Mapping[Kind, str] = {
-    "edge": "a foot found no ground ahead: stopped",
-    "obstacle": "feet cannot step over what holds them back: stopped"}
-LONGEST_WALK = 86400.0  # s, a day
-LONGEST_PERIOD = 60.0  # s, of a gait
 
 
 class RobotState(NamedTuple):
@@ -52,29 +44,6 @@ class RobotState(NamedTuple):
     twist: Twist  # commanded to the legs, after scaling
     imu: ImuState | None = None  # None: there is none, or it has not been heard yet
     switches: tuple[FootSwitch, ...] = ()  # of each foot; empty: there are none
-
-
-def check_duration(seconds: float) -> None:
-    """Raise UsageError if no walk can last so long."""
-    if not 0.0 <= seconds <= LONGEST_WALK:
-        raise UsageError(f"a walk lasts 0 to {LONGEST_WALK:.0f} s, not {seconds}")
-
-
-def check_command(command: Command, model: RobotModel, gaits: Sequence[str], refused: Mapping[str, str]) -> None:
-    """Raise UsageError if a command makes no sense for a robot of these `gaits`; others are `refused`, and why."""
-    numbers = [*command.twist, *command.posture, command.heading or 0.0, command.height or 0.0, command.period or 1.0]
-    if not all(math.isfinite(number) for number in numbers):
-        raise UsageError(f"a command needs finite numbers, not {command}")
-    if command.gait is not None and command.gait in refused:
-        raise UsageError(f"{model.name} cannot {command.gait}: {refused[command.gait]}")
-    if command.gait is not None and command.gait not in gaits:
-        raise UsageError(f"{model.name} has no gait {command.gait!r}; it has {', '.join(gaits)}")
-    if command.period is not None and not 0.0 < command.period <= LONGEST_PERIOD:
-        raise UsageError(f"a gait's period is over 0 and up to {LONGEST_PERIOD:.0f} s, not {command.period}")
-    heights = model.heights
-    if command.height is not None and not heights.lowest <= command.height <= heights.highest:
-        raise UsageError(
-            f"height {command.height} m is outside {heights.lowest} to {heights.highest} m of {model.name}")
 
 
 class Robot:
@@ -89,11 +58,7 @@ class Robot:
     last goals, their own watchdogs off, until the next call.
 
     Attributes:
-        model, gaits, loop, events: what it is made of, and what has happened.
-        observers: called with every tick.
-        frozen: whether it was left with torque on.
-        black_box: what keeps the last minute, and is saved when the robot stops for its safety; None: nothing does.
-        doubtful: joints at which torque may still be on though it was switched off.
+        model, gaits, loop: what it is made of; of the gaits, the names.
     """
 
     def __init__(
@@ -110,25 +75,16 @@ class Robot:
         """
         self.model = model
         self.gaits = tuple(gaits)
-        self._refused = refused
         self.loop = loop
-        self.events: list[Event] = []
-        self.observers: list[Callable[[Tick], None]] = []
+        self._refused = refused
         self._bus = bus
         self._imu = imu
         self._switches = foot_switches
-        self._imu_watch = SensorWatch("the IMU", imu.statistics) if imu is not None else None
-        self._switch_watch = (
-            SensorWatch("the foot-switch board", foot_switches.statistics) if foot_switches is not None else None)
-        self._recorder = recorder
-        self._torque = torque
         self._interrupts = Interrupts()
-        self._seconds = 0.0
-        self._last: Tick | None = None
+        self._chronicle = Chronicle(recorder, imu, foot_switches)
+        sensors = [sensor for sensor in (imu, foot_switches) if sensor is not None]
+        self._pilot = Pilot(loop, bus, sensors, model.joint_names, torque, self._chronicle, self._interrupts)
         self._entered = False
-        self.frozen = False
-        self.black_box: BlackBox | None = None
-        self.doubtful: list[str] = []
 
     def __enter__(self) -> Self:
         self._interrupts.install()
@@ -158,14 +114,43 @@ class Robot:
 
     @property
     def _last_tick(self) -> Tick:
-        if self._last is None:
+        if self._pilot.last is None:
             raise UsageError("nothing is known of the robot's joints before stand()")
-        return self._last
+        return self._pilot.last
+
+    @property
+    def events(self) -> list[Event]:
+        """What has happened so far."""
+        return self._chronicle.events
+
+    @property
+    def observers(self) -> list[Callable[[Tick], None]]:
+        """Are called with every tick."""
+        return self._pilot.observers
+
+    @property
+    def black_box(self) -> BlackBox | None:
+        """What keeps the last minute, and is saved when the robot stops for its safety; None: nothing does."""
+        return self._chronicle.black_box
+
+    @black_box.setter
+    def black_box(self, box: BlackBox | None) -> None:
+        self._chronicle.black_box = box
+
+    @property
+    def frozen(self) -> bool:
+        """Whether it was left with torque on."""
+        return self._pilot.frozen
+
+    @property
+    def doubtful(self) -> list[str]:
+        """Joints at which torque may still be on though it was switched off."""
+        return self._pilot.doubtful
 
     @property
     def torque_doubt(self) -> str | None:
         """Where torque may still be on though it was switched off, in words; None if it is off everywhere."""
-        return next((event.text for event in self.events if event.kind == "torque"), None)
+        return self._pilot.torque_doubt
 
     def stand(self) -> None:
         """Arm if need be and stand up, or stop walking and stand.
@@ -178,11 +163,11 @@ class Robot:
             raise UsageError("use the robot in a `with` block: only that seats it whatever happens")
         state = self.loop.state
         if state is State.STOP:
-            self._arm()
+            self._pilot.arm()
         self.loop.command = Command()
         if state is not State.STAND:
-            self._request(Request.HALT if state is State.WALK else Request.STAND)
-        self._run(_LONGEST_STAND_UP, until=lambda tick: tick.wanted.standing, what="stand")
+            self._pilot.request(Request.HALT if state is State.WALK else Request.STAND)
+        self._pilot.run(_LONGEST_STAND_UP, until=lambda tick: tick.wanted.standing, what="stand")
         self.loop.pause()
 
     def walk(
@@ -250,11 +235,11 @@ class Robot:
         check_duration(seconds)
         self.command(command)
         if self.loop.state is not State.WALK:
-            self._request(Request.WALK)
-        self._run(seconds, until=until)
+            self._pilot.request(Request.WALK)
+        self._pilot.run(seconds, until=until)
         self.loop.command = self.loop.command._replace(twist=STILL, heading=None)
-        self._request(Request.HALT)
-        self._run(_LONGEST_SIT_DOWN, until=lambda tick: tick.wanted.standing, what="stop")
+        self._pilot.request(Request.HALT)
+        self._pilot.run(LONGEST_SIT_DOWN, until=lambda tick: tick.wanted.standing, what="stop")
         self.loop.pause()
 
     def command(self, command: Command) -> None:
@@ -277,26 +262,14 @@ class Robot:
         """
         while True:
             try:
-                self.await_clear()
-                self._sit()
+                self._pilot.await_clear()
+                self._pilot.sit()
             except RobotwalkError:
                 if self.loop.state is not State.HELD:
                     raise
                 continue  # held on its way, or so lately that the loop refused what was asked of it
             break
-        self._disarm()
-
-    def _sit(self) -> None:
-        """Step to rest and sit down."""
-        state = self.loop.state
-        if state is State.FAULT:
-            self._come_down()
-        if state in (State.STAND, State.WALK, State.MEND):
-            self.loop.command = Command()
-            self._request(Request.SIT)
-            state = State.SIT
-        if state is State.SIT:
-            self._run(_LONGEST_SIT_DOWN, until=lambda tick: tick.state is State.READY, what="sit")
+        self._pilot.disarm()
 
     def await_clear(self) -> None:
         """Wait for as long as somebody's `stop` holds the robot in place; then it is on its way down, and may stand.
@@ -304,13 +277,7 @@ class Robot:
         Raises:
             SystemExit: told to end meanwhile, by SIGTERM or SIGHUP; the robot is left as it is, with torque on.
         """
-        if self.loop.state is State.HELD:
-            try:
-                while self._tick().state is State.HELD:
-                    self._interrupts.check(held=True)
-            except SystemExit:
-                self._freeze()
-                raise
+        self._pilot.await_clear()
 
     def conditions(self) -> Mapping[str, ServoCondition]:
         """Return what each servo last told of itself, by its joint: voltage, temperature, current, faults."""
@@ -338,23 +305,7 @@ class Robot:
 
     def note(self, kind: str, text: str) -> None:
         """Add an event to the run's list."""
-        event = Event(round(self._seconds, 3), kind, text)
-        self.events.append(event)
-        if self._recorder is not None:
-            with self._noting("in the log"):
-                self._recorder.event(self._last.time if self._last else 0, event)
-        if kind in _STOPS and self.black_box is not None:
-            with self._noting("in the black box"):
-                self.note("black_box", self.black_box.save(text, self.events))
-
-    @contextlib.contextmanager
-    def _noting(self, where: str) -> Iterator[None]:
-        """Make an event, and no more, of an error that must not keep the robot from being stopped."""
-        try:
-            yield
-        except Exception as error:
-            # Straight to the list: it may be the log that failed.
-            self.events.append(Event(round(self._seconds, 3), "error", f"{where}: {error!r}"))
+        self._chronicle.note(kind, text)
 
     def close(self) -> None:
         """Sit down if need be, switch torque off, give the ports back. A Ctrl-C meanwhile freezes the robot.
@@ -363,12 +314,13 @@ class Robot:
             KeyboardInterrupt, SystemExit: the robot is frozen, by a Ctrl-C or as `await_clear` says.
         """
         self._entered = False
+        pilot, chronicle = self._pilot, self._chronicle
         try:
-            if not self.frozen:
+            if not pilot.frozen:
                 self._interrupts.heed_only_ctrl_c()
                 self._sit_unwatched_if_need_be()
         except KeyboardInterrupt:
-            self._freeze()
+            pilot.freeze()
             raise
         except SafetyStop:
             raise
@@ -378,25 +330,12 @@ class Robot:
                 raise
             raise SafetyStop(f"the robot could not sit down: {error!r}") from error
         finally:
-            if not self.frozen:
-                with self._noting("as torque was switched off"):
-                    self._disarm()
-                self._close_ports()
-            with self._noting("in the log"):
-                self._close_log()
+            if not pilot.frozen:
+                with chronicle.noting("as torque was switched off"):
+                    pilot.disarm()
+                pilot.close_ports()
+            chronicle.close()
             self._interrupts.restore()
-
-    def _close_ports(self) -> None:
-        for port in (self._bus, self._imu, self._switches):
-            if port is not None:
-                with self._noting("as a port was given back"):
-                    port.close()
-
-    def _close_log(self) -> None:
-        failure = self._recorder.close() if self._recorder is not None else None
-        self._recorder = None
-        if failure is not None:
-            self.note("log", failure)
 
     def _sit_unwatched_if_need_be(self) -> None:
         """Sit down; an observer that fails, as when its terminal is gone, must not keep the robot from it."""
@@ -408,114 +347,3 @@ class Robot:
             self.observers.clear()
             self.note("error", f"on the way down: {error!r}")
             self.sit()
-
-    def _request(self, request: Request) -> None:
-        self.loop.request(request)
-        self.note("state", self.loop.state.value)
-
-    def _arm(self) -> None:
-        self._request(Request.ARM)
-        try:
-            state = self.loop.arm(self._torque)
-        except BaseException:
-            self._request(Request.DISARM)
-            raise
-        for text in self._bus.notes:
-            self.note("audit", text)
-        self.loop.begin(state)
-
-    def _disarm(self) -> None:
-        """Switch torque off, if we have switched it on, and say so if that cannot be confirmed."""
-        if self.loop.armed:
-            self.doubtful = list(self.model.joint_names)
-            for _ in range(2):
-                with self._noting("as torque was switched off"):
-                    self.doubtful = self.loop.disarm()
-                    break
-            if self.doubtful:
-                self.note("torque", f"torque may still be on at {', '.join(self.doubtful)}: cut the power")
-        if self.loop.state is State.READY:
-            self._request(Request.DISARM)
-
-    def _freeze(self) -> None:
-        """Hold every joint where it was last measured, with torque on, and leave it so."""
-        self.frozen = True
-        try:
-            self.loop.freeze()
-            self._close_ports()
-        except Exception as error:  # its ports stay with the loop, which holds or seats it
-            self.note("error", f"could not freeze: {error!r}")
-        self.note("freeze", "frozen in place; torque stays on")
-
-    def _run(
-        self, seconds: float, *, until: Callable[[Tick], bool] = lambda tick: False, what: str | None = None
-    ) -> None:
-        """Turn the cycle for some time or until something is so; `what` names a motion that must end by then."""
-        for _ in range(round(seconds * self.loop.rate_hz)):
-            tick = self._tick()
-            if tick.state is State.FAULT:
-                self._come_down()
-            if tick.state is State.HELD:
-                self.note("stop", "told to stop: held in place")
-                raise Held("the robot was told to stop, and was held in place")
-            if until(tick):
-                return
-            self._interrupts.check()
-        if what is not None:
-            self.note("timeout", f"{what} took longer than {seconds:.0f} s")
-            raise SafetyStop(f"the robot could not {what} within {seconds:.0f} s")
-
-    def _tick(self) -> Tick:
-        # The caller of this thread is the driver, and alive.
-        self.loop.beat()
-        was_barred = self._last.wanted.barred if self._last is not None else None
-        try:
-            tick = self._last = self.loop.tick()
-        except SafetyStop as error:
-            self.note("safety_stop", str(error))
-            raise
-        if self.black_box is not None:
-            try:
-                self.black_box.add(tick, self.loop.command)
-            except Exception as error:
-                self.black_box = None
-                self.note("error", f"in the black box: {error!r}")
-        for kind, text in tick.news:
-            self.note(kind, text)
-        barred = tick.wanted.barred
-        if barred is not None and barred != was_barred:
-            self.note(barred.kind, _BARRED[barred.kind])
-        self._seconds += 1.0 / self.loop.rate_hz
-        self._listen(tick.estimate)
-        for observer in self.observers:
-            observer(tick)
-        return tick
-
-    def _listen(self, estimate: Estimate) -> None:
-        """Note it when a sensor falls silent, or is back."""
-        imu, switches = estimate.imu, estimate.switches
-        if self._imu_watch is not None:
-            news = self._imu_watch.step(imu is not None and imu.valid, self._seconds)
-            if news is not None:
-                self.note("imu", news)
-        if self._switch_watch is not None:
-            news = self._switch_watch.step(any(switch.closed is not None for switch in switches), self._seconds)
-            if news is not None:
-                self.note("feet", news)
-
-    def _come_down(self) -> None:
-        """Let a fault bring the robot down, switch torque off, and raise.
-
-        Raises:
-            SafetyStop: always.
-        """
-        reason = self.loop.fault or "it was stopped"
-        for _ in range(round(_LONGEST_SIT_DOWN * self.loop.rate_hz)):
-            if self._tick().state is State.STOP:
-                break
-            self.await_clear()  # first: it heeds signals in its own way
-            self._interrupts.check()
-        self._disarm()
-        self.note("safety_stop", reason)
-        raise SafetyStop(
-            f"the robot was brought down because {reason}; {self.torque_doubt or 'torque is off'}")

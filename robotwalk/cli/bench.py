@@ -8,9 +8,10 @@ from cyclopts import App, Parameter
 from robotwalk import assembly
 from robotwalk.cli.course import course
 from robotwalk.cli.output import progress_line, say, write_json
+from robotwalk.command_check import LONGEST_WALK
 from robotwalk.errors import UsageError
 from robotwalk.loop import Tick
-from robotwalk.robot import LONGEST_WALK, Robot
+from robotwalk.robot import Robot
 
 app = App(name="bench", help="Measure the tick, the loop, the bus, the simulation or a robot on the courses.")
 app.command(course)

@@ -11,11 +11,11 @@ from robotwalk import assembly
 from robotwalk.behaviours import Facing, FollowPath
 from robotwalk.body import placed
 from robotwalk.cli.imu_report import ImuReport
+from robotwalk.command_check import check_command, check_duration
 from robotwalk.config.route import Route
 from robotwalk.controller import twist_of
 from robotwalk.journey import Journey, Summary
 from robotwalk.loop import Tick
-from robotwalk.robot import check_command, check_duration
 from robotwalk.supervisor import State
 from robotwalk.timing import Histogram
 from robotwalk.types import BusStatistics, Command, Pose, SensorStatistics, Vec3

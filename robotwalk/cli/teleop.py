@@ -16,8 +16,9 @@ from robotwalk import assembly
 from robotwalk.cli.ending import run_to_end
 from robotwalk.cli.output import abandon_stdout, complain, say, write_json
 from robotwalk.cli.ports import HANGING, by_bus
+from robotwalk.command_check import check_command
 from robotwalk.errors import UsageError
-from robotwalk.robot import Robot, check_command
+from robotwalk.robot import Robot
 from robotwalk.teleop import messages
 from robotwalk.teleop.ask import Device
 from robotwalk.teleop.bridge import Bridge

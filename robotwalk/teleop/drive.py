@@ -4,10 +4,11 @@ import math
 import time
 from collections.abc import Callable
 
+from robotwalk.command_check import LONGEST_WALK
 from robotwalk.errors import SafetyStop
 from robotwalk.estimator import Estimate
 from robotwalk.loop import Tick
-from robotwalk.robot import LONGEST_WALK, Robot
+from robotwalk.robot import Robot
 from robotwalk.supervisor import State
 from robotwalk.teleop.ask import Wish
 from robotwalk.teleop.bridge import Bridge

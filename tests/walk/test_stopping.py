@@ -16,8 +16,8 @@ CASES = [
     *[(point, 1) for point in ("loop.tick", "loop.disarm", "_bus.exchange", "observer")],
     *[(point, 1_000_000) for point in ("loop.tick", "loop.disarm", "_bus.exchange", "observer")],
     *[(point, 1_000_000) for point in (
-        "_bus.disarm", "_bus.close", "port.write", "_recorder.event", "_recorder.close", "black_box.add",
-        "black_box.save", "_imu.read", "_imu.close")]]
+        "_bus.disarm", "_bus.close", "port.write", "_chronicle._recorder.event",
+        "_chronicle._recorder.close", "black_box.add", "black_box.save", "_imu.read", "_imu.close")]]
 
 
 class Enough(Exception):

@@ -1,0 +1,185 @@
+"""Turns the loop's cycle until a motion is over, and heeds faults, stops and signals between ticks."""
+
+from collections.abc import Callable, Sequence
+
+from robotwalk.chronicle import Chronicle
+from robotwalk.cycle import BusReports, Cycle, SensorReports
+from robotwalk.errors import Held, SafetyStop
+from robotwalk.interrupts import Interrupts
+from robotwalk.loop import Tick
+from robotwalk.supervisor import Request, State
+from robotwalk.types import Command
+
+LONGEST_SIT_DOWN = 20.0  # s, the last steps included
+
+
+class Pilot:
+    """Has the robot do one thing after another.
+
+    Attributes:
+        last: the last tick; None: there was none.
+        observers: called with every tick.
+        frozen: whether it was left with torque on.
+        doubtful: joints at which torque may still be on though it was switched off.
+    """
+
+    def __init__(
+        self, loop: Cycle, bus: BusReports, sensors: Sequence[SensorReports], joints: tuple[str, ...], torque: float,
+        chronicle: Chronicle, interrupts: Interrupts,
+    ) -> None:
+        """Take the parts; `torque` is the share of their largest output that the servos may use."""
+        self.last: Tick | None = None
+        self.observers: list[Callable[[Tick], None]] = []
+        self.frozen = False
+        self.doubtful: list[str] = []
+        self._loop = loop
+        self._bus = bus
+        self._sensors = sensors
+        self._joints = joints
+        self._torque = torque
+        self._chronicle = chronicle
+        self._interrupts = interrupts
+
+    def request(self, request: Request) -> None:
+        """Ask the supervisor for a state."""
+        self._loop.request(request)
+        self._chronicle.note("state", self._loop.state.value)
+
+    def arm(self) -> None:
+        """Have every servo hold where it is.
+
+        Raises:
+            BusError: a servo is missing.
+        """
+        self.request(Request.ARM)
+        try:
+            state = self._loop.arm(self._torque)
+        except BaseException:
+            self.request(Request.DISARM)
+            raise
+        for text in self._bus.notes:
+            self._chronicle.note("audit", text)
+        self._loop.begin(state)
+
+    def disarm(self) -> None:
+        """Switch torque off, if we have switched it on, and say so if that cannot be confirmed."""
+        if self._loop.armed:
+            self.doubtful = list(self._joints)
+            for _ in range(2):
+                with self._chronicle.noting("as torque was switched off"):
+                    self.doubtful = self._loop.disarm()
+                    break
+            if self.doubtful:
+                self._chronicle.note("torque", f"torque may still be on at {', '.join(self.doubtful)}: cut the power")
+        if self._loop.state is State.READY:
+            self.request(Request.DISARM)
+
+    @property
+    def torque_doubt(self) -> str | None:
+        """Where torque may still be on though it was switched off, in words; None if it is off everywhere."""
+        return next((event.text for event in self._chronicle.events if event.kind == "torque"), None)
+
+    def run(
+        self, seconds: float, *, until: Callable[[Tick], bool] = lambda tick: False, what: str | None = None
+    ) -> None:
+        """Turn the cycle for some time or until something is so; `what` names a motion that must end by then.
+
+        Raises:
+            SafetyStop: the robot had to sit down, was told to stop, or could not end the motion.
+            KeyboardInterrupt, SystemExit: see `Interrupts.check`.
+        """
+        for _ in range(round(seconds * self._loop.rate_hz)):
+            tick = self.tick()
+            if tick.state is State.FAULT:
+                self.come_down()
+            if tick.state is State.HELD:
+                self._chronicle.note("stop", "told to stop: held in place")
+                raise Held("the robot was told to stop, and was held in place")
+            if until(tick):
+                return
+            self._interrupts.check()
+        if what is not None:
+            self._chronicle.note("timeout", f"{what} took longer than {seconds:.0f} s")
+            raise SafetyStop(f"the robot could not {what} within {seconds:.0f} s")
+
+    def tick(self) -> Tick:
+        """Turn the cycle once.
+
+        Raises:
+            SafetyStop: the loop is gone.
+        """
+        # The caller of this thread is the driver, and alive.
+        self._loop.beat()
+        try:
+            tick = self.last = self._loop.tick()
+        except SafetyStop as error:
+            self._chronicle.note("safety_stop", str(error))
+            raise
+        self._chronicle.add(tick, self._loop.command, 1.0 / self._loop.rate_hz)
+        for observer in self.observers:
+            observer(tick)
+        return tick
+
+    def sit(self) -> None:
+        """Step to rest and sit down.
+
+        Raises:
+            SafetyStop: the robot was coming down for a fault, or could not sit.
+        """
+        state = self._loop.state
+        if state is State.FAULT:
+            self.come_down()
+        if state in (State.STAND, State.WALK, State.MEND):
+            self._loop.command = Command()
+            self.request(Request.SIT)
+            state = State.SIT
+        if state is State.SIT:
+            self.run(LONGEST_SIT_DOWN, until=lambda tick: tick.state is State.READY, what="sit")
+
+    def come_down(self) -> None:
+        """Let a fault bring the robot down, switch torque off, and raise.
+
+        Raises:
+            SafetyStop: always.
+        """
+        reason = self._loop.fault or "it was stopped"
+        for _ in range(round(LONGEST_SIT_DOWN * self._loop.rate_hz)):
+            if self.tick().state is State.STOP:
+                break
+            self.await_clear()  # first: it heeds signals in its own way
+            self._interrupts.check()
+        self.disarm()
+        self._chronicle.note("safety_stop", reason)
+        raise SafetyStop(
+            f"the robot was brought down because {reason}; {self.torque_doubt or 'torque is off'}")
+
+    def await_clear(self) -> None:
+        """Wait for as long as somebody's `stop` holds the robot in place; then it is on its way down, and may stand.
+
+        Raises:
+            SystemExit: told to end meanwhile, by SIGTERM or SIGHUP; the robot is left as it is, with torque on.
+        """
+        if self._loop.state is State.HELD:
+            try:
+                while self.tick().state is State.HELD:
+                    self._interrupts.check(held=True)
+            except SystemExit:
+                self.freeze()
+                raise
+
+    def freeze(self) -> None:
+        """Hold every joint where it was last measured, with torque on, give the ports back, and leave it so."""
+        self.frozen = True
+        try:
+            self._loop.freeze()
+            self.close_ports()
+        except Exception as error:  # its ports stay with the loop, which holds or seats it
+            self._chronicle.note("error", f"could not freeze: {error!r}")
+        self._chronicle.note("freeze", "frozen in place; torque stays on")
+
+    def close_ports(self) -> None:
+        """Give all ports back."""
+        ports: list[BusReports | SensorReports] = [self._bus, *self._sensors]
+        for port in ports:
+            with self._chronicle.noting("as a port was given back"):
+                port.close()
