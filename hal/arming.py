@@ -191,7 +191,7 @@ class Arming:
             if found != usual:
                 self._note(servo, f"{name} is {found}; the factory's is {usual}")
         self._check_range(line, servo)
-        line.cycle.watch.rota.limits[servo.slot] = self._limits(line, servo)
+        line.cycle.watch.rota.bound(servo, self._limits(line, servo))
         self._gather(line, servo)
 
     def _clear_watchdog(self, line: ServoLine, servo: Wired) -> None:

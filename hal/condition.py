@@ -14,7 +14,7 @@ from hal.register_map import Register
 from hal.wired import Wired
 from robotwalk.types import Measured, ServoCondition, ServoLimits
 
-_NS = 1_000_000_000
+_NO_LIMITS = ServoLimits()
 _GAP = 20  # bytes between registers, beyond which two reads are cheaper than one
 
 
@@ -59,7 +59,6 @@ class ConditionRota:
     Attributes:
         limp: the slots of servos that said that their torque is off.
         gathered: the reads, by slot, that bring a servo's whole condition from where it was gathered.
-        limits: where the servos' own protections act, by slot, as far as they were asked.
         tripped: the slots whose bus watchdog has tripped, or may have; see `rearm`.
     """
 
@@ -69,9 +68,11 @@ class ConditionRota:
         self._servos = tuple(servos)
         self._turns: deque[Probe] = deque()
         self._hurried: deque[Probe] = deque()
-        self._counts: dict[tuple[int, str], tuple[int, int]] = {}  # by slot and register: counts, and when, ns
+        self._counts: dict[tuple[int, str], int] = {}  # by slot and register
+        self._measured: dict[tuple[int, str], Measured] = {}
+        self._conditions: dict[int, ServoCondition] = {}  # by slot, made anew when something was told
+        self._limits: dict[int, ServoLimits] = {}  # by slot, as far as they were asked
         self.limp: set[int] = set()
-        self.limits: dict[int, ServoLimits] = {}
         self.gathered: dict[int, Probe] = {}
         self._turns.extend(probe for servo in servos for probe in probes(protocol, servo))
 
@@ -81,9 +82,16 @@ class ConditionRota:
         others = [other for other in self._turns if other.servo.slot != probe.servo.slot]
         self._turns = deque(sorted((*others, probe), key=lambda each: each.servo.slot))
 
+    def bound(self, servo: Wired, limits: ServoLimits) -> None:
+        """Take note of where a servo's own protections act."""
+        self._limits[servo.slot] = limits
+        self._conditions.pop(servo.slot, None)
+
     def forget_one(self, slot: int) -> None:
         """Forget what was read of a servo that has started anew."""
-        self._counts = {place: told for place, told in self._counts.items() if place[0] != slot}
+        for place in [place for place in self._counts if place[0] == slot]:
+            del self._counts[place], self._measured[place]
+        self._conditions.pop(slot, None)
         self.limp.discard(slot)
         self.tripped.discard(slot)
 
@@ -92,6 +100,8 @@ class ConditionRota:
         self.tripped.clear()
         self._hurried.clear()
         self._counts.clear()
+        self._measured.clear()
+        self._conditions.clear()
         self.limp.clear()
 
     def hurry(self, slot: int) -> None:
@@ -124,8 +134,10 @@ class ConditionRota:
         if self.gathered.get(slot) is probe and not any(told.values()):
             told = {torque: 0}  # it has started anew, and gathers nothing
         for name, counts in told.items():
-            self._counts[slot, name] = counts, now
-        if self._counts.get((slot, model.cyclic.telemetry.torque), (1, 0))[0]:
+            self._counts[slot, name] = counts
+            self._measured[slot, name] = Measured(counts * model[name].si_scale, now)
+        self._conditions.pop(slot, None)
+        if self._counts.get((slot, torque), 1):
             self.limp.discard(slot)
         else:
             self.limp.add(slot)
@@ -145,30 +157,28 @@ class ConditionRota:
         name = servo.model.cyclic.telemetry.error
         if name is None:
             return ()  # its answers tell only that something is
-        counts, _ = self._counts.get((servo.slot, name), (0, 0))
+        counts = self._counts.get((servo.slot, name), 0)
         if counts == 0:
             return ()
         meanings = dict(enumerate(servo.model[name].flags))
         return tuple(meanings.get(bit) or f"fault {bit}" for bit in range(8) if counts >> bit & 1)
 
-    def conditions(self, now: int) -> Mapping[str, ServoCondition]:
+    def conditions(self) -> Mapping[str, ServoCondition]:
         """Return what is known of each servo, by its joint."""
-        return {servo.joint: self.condition(servo, now) for servo in self._servos}
+        return {servo.joint: self.condition(servo) for servo in self._servos}
 
-    def condition(self, servo: Wired, now: int) -> ServoCondition:
-        """Return what is known of one servo."""
-        rows = servo.model.cyclic.telemetry
-        holds = self._measured(servo, rows.torque, now)
-        return ServoCondition(
-            self._measured(servo, rows.voltage, now), self._measured(servo, rows.temperature, now),
-            None if rows.current is None else self._measured(servo, rows.current, now),
-            None if holds is None else holds.value != 0, self.faults(servo), self.limits.get(servo.slot, ServoLimits()))
-
-    def _measured(self, servo: Wired, name: str, now: int) -> Measured | None:
-        found = self._counts.get((servo.slot, name))
-        if found is None:
-            return None
-        return Measured(found[0] * servo.model[name].si_scale, (now - found[1]) / _NS)
+    def condition(self, servo: Wired) -> ServoCondition:
+        """Return what is known of one servo: the same objects, until it tells anew."""
+        slot = servo.slot
+        condition = self._conditions.get(slot)
+        if condition is None:
+            rows, told = servo.model.cyclic.telemetry, self._measured
+            holds = self._counts.get((slot, rows.torque))
+            condition = self._conditions[slot] = ServoCondition(
+                told.get((slot, rows.voltage)), told.get((slot, rows.temperature)),
+                None if rows.current is None else told.get((slot, rows.current)),
+                None if holds is None else holds != 0, self.faults(servo), self._limits.get(slot, _NO_LIMITS))
+        return condition
 
     def _says_what_is_wrong(self, probe: Probe) -> bool:
         name = probe.servo.model.cyclic.telemetry.error

@@ -101,15 +101,13 @@ class SerialServoBus:
 
     def conditions(self) -> Mapping[str, ServoCondition]:
         """Return what each servo last told of itself, by its joint."""
-        now = self._clock.now()
         return {
-            joint: condition for line in self._lines
-            for joint, condition in line.cycle.watch.rota.conditions(now).items()}
+            joint: condition for line in self._lines for joint, condition in line.cycle.watch.rota.conditions().items()}
 
     def condition(self, slot: int) -> ServoCondition:
-        """Return what the servo of one joint last told of itself."""
+        """Return what the servo of one joint last told of itself: the same objects, until it tells anew."""
         line, servo = self._places[slot]
-        return line.cycle.watch.rota.condition(servo, self._clock.now())
+        return line.cycle.watch.rota.condition(servo)
 
     def arm(self, period: int, torque: float = 1.0) -> JointState:
         """Find every servo, let it hold where it is, switch torque on, limb by limb and gently; arm the watchdogs.

@@ -52,10 +52,11 @@ class Governed(NamedTuple):
 
 
 WELL = Governed(eased=False)
+_UNSEEN = ServoCondition(None, None, None, None, ())
 
 
 class _Gauge:
-    """One quantity of one servo."""
+    """One quantity of one servo that has been strained."""
 
     def __init__(self) -> None:
         self.near = Agreement(_AGREEING, _AGREEING)
@@ -72,13 +73,13 @@ class Governor:
     """Governs one robot."""
 
     def __init__(
-        self, joints: Sequence[str], config: GovernorConfig, condition: Callable[[int], ServoCondition], dt: float
+        self, joints: Sequence[str], config: GovernorConfig, condition: Callable[[int], ServoCondition]
     ) -> None:
-        """Look at `condition` of each joint's servo in turn, once every `dt` s."""
+        """Look at `condition` of each joint's servo in turn: new readings are new objects."""
         self._joints = tuple(joints)
         self._config = config
         self._condition = condition
-        self._turn = len(self._joints) * dt  # s from one look at a joint to the next
+        self._seen = [_UNSEEN] * len(self._joints)  # when each was last looked at
         self._next = 0
         self._gauges: list[dict[str, _Gauge]] = [{} for _ in self._joints]
         self._near: dict[tuple[str, str], None] = {}  # (joint, quantity), as an ordered set
@@ -90,10 +91,15 @@ class Governor:
         before = self._governed
         if before.news is not None:
             before = self._governed = before._replace(news=None)
-        condition, joint = self._condition(index), self._joints[index]
-        for quantity, strain in self._strains(condition):
+        condition, seen, joint = self._condition(index), self._seen[index], self._joints[index]
+        if condition is seen:
+            return before
+        self._seen[index] = condition
+        for quantity, strain in self._strains(condition, seen):
             gauge = self._gauges[index].get(quantity)
             if gauge is None:
+                if not strain.beyond(strain.ease):
+                    continue
                 gauge = self._gauges[index][quantity] = _Gauge()
             gauge.step(strain)
             if gauge.near.holds:
@@ -107,23 +113,23 @@ class Governor:
                 if self._near:
                     news = f"slower and lower, for the servo of {joint} {strain.words(quantity)}"
                 before = before._replace(eased=bool(self._near), news=news)
-        weak = any(quantity == "voltage" for _, quantity in self._near)
+        weak = bool(self._near) and any(quantity == "voltage" for _, quantity in self._near)
         if weak is not before.weak:
             before = before._replace(weak=weak)
         self._governed = before
         return before
 
-    def _strains(self, condition: ServoCondition) -> list[tuple[str, Strain]]:
-        """Return what a servo has newly told of how near it is to its limits."""
+    def _strains(self, condition: ServoCondition, seen: ServoCondition) -> list[tuple[str, Strain]]:
+        """Return what a servo has told, since it was seen, of how near it is to its limits."""
         limits, config = condition.limits, self._config
         found = []
         heat, volts, amperes = condition.temperature, condition.voltage, condition.current
-        if heat is not None and limits.hottest is not None and heat.age <= self._turn:
+        if heat is not None and limits.hottest is not None and heat is not seen.temperature:
             found.append(("heat", Strain(heat.value, limits.hottest, config.heat_ease, config.heat_sit, False)))
-        if volts is not None and limits.lowest_voltage is not None and volts.age <= self._turn:
+        if volts is not None and limits.lowest_voltage is not None and volts is not seen.voltage:
             found.append(("voltage", Strain(
                 volts.value, limits.lowest_voltage, config.voltage_ease, config.voltage_sit, True)))
-        if amperes is not None and limits.largest_current is not None and amperes.age <= self._turn:
+        if amperes is not None and limits.largest_current is not None and amperes is not seen.current:
             found.append(("current", Strain(
                 abs(amperes.value), limits.largest_current, config.current_ease, None, False)))
         return found

@@ -88,7 +88,7 @@ class ServoBus(Protocol):
         ...
 
     def condition(self, slot: int) -> ServoCondition:
-        """Return what the servo of one joint last told of itself."""
+        """Return what the servo of one joint last told of itself: the same objects, until it tells anew."""
         ...
 
     def curable(self, slot: int) -> bool | None:

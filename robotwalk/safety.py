@@ -53,7 +53,7 @@ class Safety:
         self.driver = model.safety.driver
         self._lowest = model.heights.lowest
         self._stale = StaleJoints(model.safety.stale)
-        self._governor = Governor(model.joint_names, model.safety.governor, bus.condition, 1.0 / rate_hz)
+        self._governor = Governor(model.joint_names, model.safety.governor, bus.condition)
         self._falls = FallWatch(model, drives, model.safety.fall, 1.0 / rate_hz)
         self._overruns = Overruns(model.safety.overruns, rate_hz)
         self._recovery = Recovery(model.joint_names, bus, model.safety.recovery)

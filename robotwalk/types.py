@@ -108,7 +108,7 @@ class Measured(NamedTuple):
     """A value that is read now and then."""
 
     value: float
-    age: float  # s
+    heard: int  # ns, on the clock of the ticks
 
 
 class ServoLimits(NamedTuple):

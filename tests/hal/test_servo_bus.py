@@ -317,7 +317,7 @@ def test_an_overheated_servo_raises_its_alert_in_the_cycle_and_its_data_still_co
     assert built.bus.alerts == {"j2": "reports overheating"}, "it was asked what is wrong at once"
 
 
-def test_every_servos_condition_is_read_in_turn_with_its_age() -> None:
+def test_every_servos_condition_is_read_in_turn_with_its_time() -> None:
     built = armed()
     limits = ServoLimits(hottest=72.0, lowest_voltage=6.0, highest_voltage=14.0)  # as the servo itself has them
     assert set(built.bus.conditions().values()) == {ServoCondition(None, None, None, None, (), limits)}
@@ -333,9 +333,13 @@ def test_every_servos_condition_is_read_in_turn_with_its_age() -> None:
         assert told.temperature is not None
         assert told.voltage.value == pytest.approx(11.4)
         assert told.temperature.value == (41.0 if joint == "j3" else 30.0)
-        assert 0.0 <= told.voltage.age <= (COUNT + 1) * 0.012
+        assert 0 <= built.clock.now() - told.voltage.heard <= (COUNT + 1) * 12_000_000
         assert told.holds
         assert told.current is None, "which this servo does not measure"
+    next_tick(built)
+    after = built.bus.conditions()
+    anew = [joint for joint, told in conditions.items() if after[joint] is not told]
+    assert len(anew) == 1, "a condition stays the same object until its servo is read again"
 
 
 def test_a_condition_is_one_short_read_of_gathered_registers() -> None:
