@@ -15,9 +15,8 @@ from cyclopts import Parameter
 from robotwalk import assembly
 from robotwalk.cli.ending import run_to_end
 from robotwalk.cli.output import abandon_stdout, complain, say, write_json
-from robotwalk.cli.ports import HANGING, by_bus
+from robotwalk.cli.ports import place
 from robotwalk.command_check import check_command
-from robotwalk.errors import UsageError
 from robotwalk.robot import Robot
 from robotwalk.teleop import messages
 from robotwalk.teleop.ask import Device
@@ -102,16 +101,10 @@ def teleop(
     json
         JSON lines on stdout: one when drivers are heard, and one at the end.
     """
-    ports = by_bus(port or [])
-    on_bus = bool(ports) or real
     simulated = {"terrain": terrain, "faults": faults, "seed": seed, "truth": truth, "view": view or None}
-    for option, value in simulated.items():
-        if on_bus and value is not None:
-            raise UsageError(f"--{option} is for a simulation; there is none behind a port")
-    if hang and not on_bus:
-        raise UsageError("--hang is for a robot on a bus: name it with --port, or say --real")
+    where = place(port, real=real, hang=hang, **simulated)
     assembly.check_rate(rate)
-    blueprint = assembly.load(robot, calibrated=on_bus)
+    blueprint = assembly.load(robot, calibrated=where.on_bus)
     check = _check_of(blueprint)
     check(Command(gait=gait))
     tiller = Tiller(
@@ -127,13 +120,13 @@ def teleop(
             devices.append(_open(name, blueprint, tiller, keys, listen or _LISTEN, origin or []))
             stack.callback(devices[-1].close)
         page: str | None = None
-        what = "ports are opened" if on_bus else "a simulated robot starts"
+        what = "ports are opened" if where.on_bus else "a simulated robot starts"
         show(time.monotonic(), Told(note=f"wait: {what}"), None)
-        if not on_bus:
+        ports = where.ports
+        if not where.on_bus:
             device = stack.enter_context(assembly.own_device(robot, simulated))
             ports, page = device.ports, device.page
-        session = assembly.connect(
-            blueprint, ports, real=real, rate_hz=rate, log=log, torque=HANGING if hang else 1.0)
+        session = assembly.connect(blueprint, ports, real=real, rate_hz=rate, log=log, torque=where.torque)
         assembly.add_black_box(session)
         _say_ready(devices, page, json)
         drive = Drive(

@@ -11,7 +11,7 @@ from robotwalk import assembly
 from robotwalk.cli.ending import run_to_end
 from robotwalk.cli.outing import Outing, Plan, require_possible
 from robotwalk.cli.output import abandon_stdout, complain, progress_line, say, write_json
-from robotwalk.cli.ports import HANGING, by_bus
+from robotwalk.cli.ports import place
 from robotwalk.config.route import Route, read_route
 from robotwalk.errors import SafetyStop, UsageError
 from robotwalk.track import Track
@@ -103,28 +103,14 @@ def walk(
     json
         One JSON object on stdout.
     """
-    if turn is not None and heading is not None:
-        raise UsageError("--turn and --heading exclude each other: one is a rate, the other an angle to hold")
     route = _route(goto, path)
-    if route is not None and (turn is not None or direction != 0.0):
-        raise UsageError("--goto and --path tell where to go: leave out --direction and --turn")
-    if route is not None and route.ahead and heading is not None:
-        raise UsageError(f"--heading and the `facing: ahead` of {path} exclude each other")
+    _require_one_way(route, heading, turn, direction)
     _require_finite(speed=speed, direction=direction, heading=heading, turn=turn, height=height, period=period,
         duration=duration)
-    ports = by_bus(port or [])
-    on_bus = bool(ports) or real
-    if hang and not on_bus:
-        raise UsageError("--hang is for a robot on a bus: name it with --port, or say --real")
-    if on_bus and (view or gif is not None):
-        raise UsageError("--gif and --view show a simulation; there is none behind a port")
-    if on_bus and faults is not None:
-        raise UsageError("--faults befall a simulation; there is none behind a port")
-    if on_bus and terrain is not None:
-        raise UsageError("--terrain is that of a simulation; there is none behind a port")
+    where = place(port, real=real, hang=hang, gif=gif, view=view or None, faults=faults, terrain=terrain)
     if gif is not None:
         assembly.check_film(gif)
-    blueprint = assembly.load(robot, calibrated=on_bus)
+    blueprint = assembly.load(robot, calibrated=where.on_bus)
     plan = Plan(
         speed=abs(speed), direction=math.radians(direction + (180.0 if speed < 0.0 else 0.0)),
         heading=None if heading is None else math.radians(heading),
@@ -134,8 +120,8 @@ def walk(
         plan = _by_route(plan, route, speed, duration)
     require_possible(plan, blueprint)
     session: assembly.Session
-    if on_bus:
-        session = assembly.connect(blueprint, ports, real=real, rate_hz=rate, log=log, torque=HANGING if hang else 1.0)
+    if where.on_bus:
+        session = assembly.connect(blueprint, where.ports, real=real, rate_hz=rate, log=log, torque=where.torque)
     else:
         session = assembly.simulate(
             blueprint, rate_hz=rate, seed=seed, log=log, faults=faults or (), terrain=terrain or assembly.FLAT)
@@ -163,6 +149,16 @@ def _route(goto: str | None, path: Path | None) -> Route | None:
     if not (math.isfinite(x) and math.isfinite(y)) or x == y == 0.0:
         raise UsageError(f"--goto should be finite and somewhere else than the start, not {goto!r}")
     return Route(((x, y),))
+
+
+def _require_one_way(route: Route | None, heading: float | None, turn: float | None, direction: float) -> None:
+    """Raise UsageError if two options tell where to go, or to face."""
+    if turn is not None and heading is not None:
+        raise UsageError("--turn and --heading exclude each other: one is a rate, the other an angle to hold")
+    if route is not None and (turn is not None or direction != 0.0):
+        raise UsageError("--goto and --path tell where to go: leave out --direction and --turn")
+    if route is not None and route.ahead and heading is not None:
+        raise UsageError("--heading and the `facing: ahead` of --path exclude each other")
 
 
 def _by_route(plan: Plan, route: Route, speed: float, duration: float | None) -> Plan:

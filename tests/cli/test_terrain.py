@@ -64,7 +64,7 @@ def test_a_body_on_a_slope_far_below_its_start_has_not_fallen(tmp_path: Path) ->
 
 @pytest.mark.parametrize(("command", "complaint"), [
     (["walk", "hexapod", "--terrain", "stares"], "no terrain is named 'stares'; did you mean 'stairs_40'?"),
-    (["walk", "hexapod", "--terrain", "flat", "--port", "legs=/dev/null"], "--terrain is that of a simulation"),
+    (["walk", "hexapod", "--terrain", "flat", "--port", "legs=/dev/null"], "--terrain is for a simulation"),
     (["bench", "course", "hexapod", "--seeds", "0"], "--seeds and --jobs should be at least 1"),
 ])
 def test_a_terrain_that_cannot_be_is_wrong_usage(
