@@ -264,8 +264,10 @@ class Controller:
     def _senses(self, estimate: Estimate) -> list[Sense | None] | None:
         """Return what the feet feel in odom, by where the body is told to be."""
         contact = self._model.contact
+        # A foot that began to search by feeling goes on so, however fast the robot is to be: the body waits for it.
         self._felt = (
-            contact is not None and self._fastest_foot <= contact.fastest and bool(estimate.felt)
+            contact is not None and bool(estimate.felt)
+            and (self._fastest_foot <= contact.fastest or self._stepping.searches)
             and (contact.gaits is None or self._clock.gait.name in contact.gaits))
         if not self._felt:
             return None

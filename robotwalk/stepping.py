@@ -76,6 +76,11 @@ class Stepping:
         self.stance = Stance(self._feet, self._min_swing)
         self._phase = 0.0  # of the needle
 
+    @property
+    def searches(self) -> bool:
+        """Whether some foot looks for ground."""
+        return any(foot.search is not None for foot in self._feet)
+
     def step(
         self, clock: GaitClock, course: Pose, twist: Twist, dt: float, *, hold: bool = False, up: Vec3 = UP,
         senses: Sequence[Sense | None] | None = None, plane: GroundPlane = FLAT, loads: Sequence[float] = (),
@@ -87,7 +92,9 @@ class Stepping:
         """
         now = _Moment(clock, course, twist, dt, up, plane)
         self._phase = clock.phase
-        senses = senses if senses is not None else (None,) * len(self._feet)
+        if senses is None:
+            senses = (None,) * len(self._feet)
+            self._stop_searching()
         loads = loads or (0.0,) * len(self._feet)
         for index, (foot, sense) in enumerate(zip(self._feet, senses, strict=True)):
             foot.sense = sense
@@ -152,6 +159,12 @@ class Stepping:
         caution = self._reflexes.caution if self._reflexes is not None else 0.0
         foot.lift_off(sector, share, clock.gait.swing_path, foot.leg.lift + caution)
 
+    def _stop_searching(self) -> None:
+        """Have feet that cannot feel what they look for stand where ground was expected: they would lift the body."""
+        for foot in self._feet:
+            if foot.search is not None:
+                foot.anchor(foot.target)
+
     def turn(self, turn: Turn) -> None:
         """Have all feet turned with odom."""
         for foot in self._feet:
@@ -187,7 +200,7 @@ class Stepping:
         assert swing is not None
         seconds = max(foot.share * clock.period, foot.slowest(self._min_swing))
         feels = foot.sense is not None
-        if feels and seconds > foot.share * clock.period:
+        if seconds > foot.share * clock.period:
             foot.overdue = True
         if swing.progress <= _LATEST_RETARGET:
             remaining = (1.0 - swing.progress) * seconds - dt

@@ -95,7 +95,7 @@ def test_a_wave_of_any_number_of_feet_lifts_one_at_a_time_each_for_as_long(count
     assert len(sectors) == count
     for (_, end), (start, _) in zip(sectors, [*sectors[1:], (1.0, 0.0)], strict=True):
         assert end <= start + 1e-9
-    assert {round(end - start, 9) for start, end in sectors} == {round((1.0 - 2.0 * pause) / count, 9)}
+    assert [end - start for start, end in sectors] == pytest.approx([(1.0 - 2.0 * pause) / count] * count, abs=1e-9)
 
 
 @given(st.integers(2, 6), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))

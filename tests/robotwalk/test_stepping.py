@@ -7,10 +7,11 @@ from typing import Any
 import pytest
 
 from robotwalk.body import advanced
+from robotwalk.contact import Sense
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.model import RobotModel
 from robotwalk.stepping import Stepping
-from robotwalk.types import LEVEL, STILL, Command, Twist
+from robotwalk.types import LEVEL, STILL, Command, Twist, Vec3
 
 DT = 0.01
 STEADY = 3.0  # s after which a walk from standing is steady
@@ -133,6 +134,38 @@ def test_a_foot_off_its_place_steps_to_it_though_the_body_stands(hexapod: RobotM
         stepping.step(clock, moved, STILL, DT)
     assert stepping.stance.settled(moved)
     assert not stepping.stance.settled(LEVEL)
+
+
+def test_the_needle_waits_for_feet_that_are_late_though_nobody_feels(
+    hexapod: RobotModel, gaits: dict[str, Gait]
+) -> None:
+    # Else the tripod after one that lands late may sit its swing out, and is over-stretched.
+    stepping, clock = Stepping(hexapod, LEVEL), GaitClock(gaits["tripod"])
+    twist, course = Twist(0.25, 0.0, 0.0), LEVEL
+    clock.period, clock.phase = clock.gait.fastest_period, 0.25  # half its turn has gone by before it lifts off
+    footfalls = stepping.step(clock, course, twist, DT)
+    assert not footfalls.planted[0]
+    while not footfalls.planted[0]:
+        if not footfalls.late:
+            clock.advance(twist, DT, 1.0)
+        course = advanced(course, twist, DT)
+        footfalls = stepping.step(clock, course, twist, DT)
+    assert clock.phase <= 0.5 + DT / clock.period
+
+
+def test_a_foot_that_feels_no_more_ends_its_search(hexapod: RobotModel, gaits: dict[str, Gait]) -> None:
+    stepping, clock = Stepping(hexapod, LEVEL), GaitClock(gaits["wave"])
+    rest = stepping.footfalls().centres
+    nothing = [Sense(place, Vec3(0.0, 0.0, 0.0), touching=False, sure=False) for place in rest]
+    twist = Twist(0.02, 0.0, 0.0)
+    while min(foot.z for foot in stepping.footfalls().centres) > rest[0].z - 0.02:
+        clock.advance(twist, DT, 1.0)
+        stepping.step(clock, LEVEL, twist, DT, senses=nothing)
+    assert stepping.searches
+    for _ in range(30):
+        stepping.step(clock, LEVEL, twist, DT, hold=True)
+    assert not stepping.searches
+    assert min(foot.z for foot in stepping.footfalls().centres) == pytest.approx(rest[0].z, abs=1e-4)
 
 
 def test_the_first_feet_stand_where_the_course_begins(hexapod: RobotModel) -> None:
