@@ -6,42 +6,23 @@ Lines and columns count from 1, items of a list from 0. A missing key is reporte
 """
 
 import io
-from collections.abc import Iterable, Iterator, Mapping
-from difflib import get_close_matches
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
+from typing import Any, NamedTuple, TypeVar
 
 import yaml
 from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 from yaml.reader import ReaderError
 
+from robotwalk.config import wording
+from robotwalk.config.wording import KeyPath
 from robotwalk.errors import ConfigError
 
 M = TypeVar("M", bound=BaseModel)
-KeyPath = tuple[str | int, ...]
 
 _TAG = "tag:yaml.org,2002:"
 _MERGE = _TAG + "merge"
-_EXPECTED = {
-    "bool_parsing": "true or false",
-    "bool_type": "true or false",
-    "dict_type": "a mapping",
-    "finite_number": "a finite number",
-    "float_parsing": "a number",
-    "float_type": "a number",
-    "int_from_float": "a whole number",
-    "int_parsing": "a whole number",
-    "int_type": "a whole number",
-    "list_type": "a list",
-    "model_type": "a mapping",
-    "string_type": "text",
-    "tuple_type": "a list",
-}
-
-
 _MOST_TEXT, _LONGEST = 200_000, 400  # characters of a file and of a line that are left to libyaml
 
 
@@ -135,7 +116,7 @@ class Document:
         for depth, step in enumerate(path):
             inside = dict(enumerate(value)) if isinstance(value, list) else value
             if not isinstance(inside, dict) or step not in inside:
-                raise self.error(path[:depth], _missing(step))
+                raise self.error(path[:depth], wording.missing(step))
             value = inside[step]
         return value
 
@@ -147,14 +128,14 @@ class Document:
             details = error.errors(include_url=False)
         # A mistyped key is also missing; once is enough.
         meant = {
-            (*path[:-1], _nearest(path[-1], schemas))
-            for path, schemas in (_follow(model, d["loc"]) for d in details if d["type"] == "extra_forbidden")}
-        details = [d for d in details if d["type"] != "missing" or _follow(model, d["loc"])[0] not in meant]
+            (*path[:-1], wording.nearest(path[-1], schemas))
+            for path, schemas in (wording.follow(model, d["loc"]) for d in details if d["type"] == "extra_forbidden")}
+        details = [d for d in details if d["type"] != "missing" or wording.follow(model, d["loc"])[0] not in meant]
         raise _config_error([self._problem(model, at, detail) for detail in details])
 
     def error(self, path: KeyPath, problem: str, got: object = ...) -> ConfigError:
         """Return the error that says `problem` of what is at `path`, or of its nearest ancestor."""
-        return _config_error([_Problem(self._position(path), path, problem + _got(got))])
+        return _config_error([_Problem(self._position(path), path, problem + wording.got(got))])
 
     def _position(self, path: KeyPath, of_key: bool = False) -> _Place:
         """Return where the value at `path` is, or the key that holds it."""
@@ -170,14 +151,14 @@ class Document:
 
     def _problem(self, model: type[BaseModel], at: KeyPath, detail: ErrorDetails) -> _Problem:
         """Put one of pydantic's complaints into words."""
-        path, schemas = _follow(model, detail["loc"])
+        path, schemas = wording.follow(model, detail["loc"])
         path = at + path
         if detail["type"] == "missing":
-            return _Problem(self._position(path[:-1]), path[:-1], _missing(path[-1]))
+            return _Problem(self._position(path[:-1]), path[:-1], wording.missing(path[-1]))
         if detail["type"] == "extra_forbidden":
-            return _Problem(self._position(path, of_key=True), path[:-1], _unknown(path[-1], schemas))
+            return _Problem(self._position(path, of_key=True), path[:-1], wording.unknown(path[-1], schemas))
         of_key = detail["loc"][-1:] == ("[key]",)
-        return _Problem(self._position(path, of_key), path, _wrong_value(detail))
+        return _Problem(self._position(path, of_key), path, wording.wrong_value(detail))
 
 
 class _Named(io.StringIO):
@@ -224,7 +205,7 @@ def _flaws(
         try:
             loader.construct_object(node)
         except (ValueError, LookupError, AttributeError):  # SafeLoader on `!!int x`, on 2026-02-31
-            text = f"expected a value that fits {node.tag.replace(_TAG, '!!')}" + _got(node.value)
+            text = f"expected a value that fits {node.tag.replace(_TAG, '!!')}" + wording.got(node.value)
             yield _Problem(_place(node.start_mark), path, text)
     for step, (_, child) in _children(node).items():
         yield from _flaws(loader, child, (*path, step), (*above, node), seen)
@@ -260,104 +241,6 @@ def _place(mark: Any) -> _Place:
 
 def _end(name: str, text: str) -> _Place:
     return _Place(name, text.count("\n") + 1, len(text) - text.rfind("\n"))
-
-
-def _follow(model: Any, location: tuple[str | int, ...]) -> tuple[KeyPath, list[Any]]:
-    """Return the path in the document that pydantic's `location` means, and the schemas that its end is in.
-
-    Where a location comes to a union, it names the member that was tried; a path does not.
-    """
-    path: KeyPath = ()
-    holders: list[Any] = []
-    schema = model
-    for step in location:
-        members = _members(schema)
-        if len(members) > 1:
-            schema = next((member for member in members if step in _labels(member)), members[0])
-        elif step != "[key]":
-            path = (*path, step)
-            holders = members
-            schema = _inside(members[0], step)
-    return path, holders
-
-
-def _members(schema: Any) -> list[Any]:
-    """Return the members of a union but None, or just the schema."""
-    if get_origin(schema) is Annotated:
-        return _members(get_args(schema)[0])
-    if get_origin(schema) in (Union, UnionType):
-        return [member for each in get_args(schema) if each is not NoneType for member in _members(each)]
-    return [schema]
-
-
-def _labels(schema: Any) -> set[str]:
-    """Return what pydantic may call the member of a union: by its class or by a discriminator."""
-    values = [get_args(f.annotation) for f in _fields(schema).values() if get_origin(f.annotation) is Literal]
-    return {getattr(schema, "__name__", ""), *(str(value) for group in values for value in group)}
-
-
-def _inside(schema: Any, step: str | int) -> Any:
-    arguments = get_args(schema)
-    if not arguments:
-        field = _fields(schema).get(str(step))
-        return field.annotation if field else None
-    if isinstance(step, int) and step < len(arguments) and arguments[-1] is not ...:
-        return arguments[step]
-    return arguments[0] if isinstance(step, int) else arguments[-1]
-
-
-def _fields(schema: Any) -> Mapping[str, FieldInfo]:
-    """Return a model's fields by the keys that the file has for them."""
-    if not (isinstance(schema, type) and issubclass(schema, BaseModel)):
-        return {}
-    return {field.alias or name: field for name, field in schema.model_fields.items()}
-
-
-def _missing(step: str | int) -> str:
-    return f"missing item {step}" if isinstance(step, int) else f"missing key {step!r}"
-
-
-def _nearest(key: str | int, schemas: list[Any]) -> str | None:
-    """Return the valid key that was probably meant, if one is near."""
-    near = get_close_matches(str(key), _valid_keys(schemas), n=1)
-    return near[0] if near else None
-
-
-def _valid_keys(schemas: list[Any]) -> list[str]:
-    return [name for schema in schemas for name in _fields(schema)]
-
-
-def _unknown(key: str | int, schemas: list[Any]) -> str:
-    near = _nearest(key, schemas)
-    hint = f"did you mean {near!r}?" if near else f"valid keys are {', '.join(map(repr, _valid_keys(schemas)))}"
-    return f"unknown key {key!r}: {hint}"
-
-
-def _wrong_value(detail: ErrorDetails) -> str:
-    kind, message, context = detail["type"], detail["msg"], detail.get("ctx", {})
-    if kind in ("value_error", "assertion_error"):
-        return str(context["error"]) + ("" if isinstance(detail["input"], dict) else _got(detail["input"]))
-    if kind == "too_short":
-        return f"expected {context['min_length']} or more items (got {context['actual_length']})"
-    if kind == "too_long":
-        return f"expected {context['max_length']} or fewer items (got {context['actual_length']})"
-    wanted = _EXPECTED.get(kind) or message.removeprefix("Input should be ")
-    if wanted.startswith(("greater", "less")):
-        wanted = f"a number {wanted}"
-    return ("" if wanted == message else "expected ") + wanted + _got(detail["input"])
-
-
-def _got(value: object) -> str:
-    """Return what was found, as YAML would have it."""
-    if value is ...:
-        return ""
-    if value is None or isinstance(value, bool):
-        shown = {None: "nothing", True: "true", False: "false"}[value]
-    elif isinstance(value, dict):
-        shown = "a mapping"
-    else:
-        shown = repr(value) if isinstance(value, (str, list, tuple)) else str(value)
-    return f" (got {shown if len(shown) <= 60 else shown[:57] + '...'})"
 
 
 def _config_error(problems: Iterable[_Problem]) -> ConfigError:

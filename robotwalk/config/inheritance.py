@@ -16,7 +16,8 @@ from typing import TypeGuard
 
 import yaml
 
-from robotwalk.config.document import Document, KeyPath
+from robotwalk.config.document import Document
+from robotwalk.config.wording import KeyPath
 
 _INT = "tag:yaml.org,2002:int"
 _MOST = 1000  # numbered items
