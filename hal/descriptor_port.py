@@ -1,6 +1,7 @@
 """A serial line that somebody has opened already: bytes in and out of its descriptor, without waiting."""
 
 import contextlib
+import errno
 import fcntl
 import os
 import select
@@ -35,6 +36,20 @@ class DescriptorPort:
     def fileno(self) -> int:
         """Return the descriptor to poll."""
         return self._fileno
+
+    def modem_lines(self) -> int:
+        """Return which modem lines are on, as the bits TIOCM_* of tty_ioctl(4).
+
+        Raises:
+            BusError: the port has none, as a pseudo-terminal and a socket, or is gone.
+        """
+        try:
+            bits: int = _COUNT.unpack(fcntl.ioctl(self._fileno, termios.TIOCMGET, bytes(_COUNT.size)))[0]
+        except OSError as error:
+            if error.errno in (errno.ENOTTY, errno.EINVAL):
+                raise BusError(f"{self._url} has no modem lines") from error
+            raise BusError(f"{self._url} is gone: {error.strerror}") from error
+        return bits
 
     def write(self, data: bytes) -> None:
         """Send bytes.

@@ -13,9 +13,11 @@ from hal.foot_switches.model import FootSwitchConfig
 from hal.imu.model import ImuConfig, ImuModel
 from hal.register_map import ServoModel
 from hal.schema import Row
+from hal.stop_input.model import StopInputConfig
 
 IMU_PORT = "imu"  # what the line of the IMU is called beside the buses
-FEET_PORT = "feet"  # and that of the foot switches
+FEET_PORT = "feet"  # that of the foot switches
+STOP_PORT = "stop"  # and that of the stop input, where it has a port of its own
 _BITS_PER_BYTE = 10  # 8N1
 
 
@@ -52,11 +54,14 @@ class HardwareConfig(Row):
     power: Power = Power()
     imu: ImuConfig | None = None
     foot_switches: FootSwitchConfig | None = None
+    stop_input: StopInputConfig | None = None
 
     @property
-    def sensors(self) -> dict[str, ImuConfig | FootSwitchConfig]:
+    def sensors(self) -> dict[str, ImuConfig | FootSwitchConfig | BusConfig]:
         """What talks unasked, by the names of its lines."""
-        fitted = {IMU_PORT: self.imu, FEET_PORT: self.foot_switches}
+        stop = self.stop_input
+        own = BusConfig(port=stop.port, baud=stop.baud) if stop is not None and stop.port is not None else None
+        fitted = {IMU_PORT: self.imu, FEET_PORT: self.foot_switches, STOP_PORT: own}
         return {name: sensor for name, sensor in fitted.items() if sensor is not None}
 
 
@@ -160,3 +165,20 @@ def foot_switch_problems(config: HardwareConfig, legs: Sequence[str]) -> Iterato
     if switches.rate_hz > fits:
         told = f"carries {fits:.0f} reports a second, and the board sends {switches.rate_hz:g}"
         yield Problem((section, "baud"), told, switches.baud)
+
+
+def stop_input_problems(config: HardwareConfig) -> Iterator[Problem]:
+    """Find what is wrong with the stop input, if there is one."""
+    stop, section = config.stop_input, "stop_input"
+    if stop is None:
+        return
+    if STOP_PORT in config.buses:
+        yield Problem(("buses", STOP_PORT), "that is what the line of the stop input is called", None)
+    if (stop.bus is None) is (stop.port is None):
+        yield Problem((section,), "needs either `bus`, whose adapter has the line, or a `port` of its own", None)
+    if (stop.line is None) is (stop.input is None):
+        yield Problem((section,), "needs either a `line` of the port, or an `input` of a board that talks there", None)
+    if stop.bus is not None and stop.bus not in config.buses:
+        yield Problem((section, "bus"), f"no such bus; there are {', '.join(config.buses)}", stop.bus)
+    if stop.bus is not None and stop.input is not None:
+        yield Problem((section, "input"), "a board needs a `port` of its own, servos talk on a bus", stop.input)

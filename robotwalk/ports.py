@@ -153,6 +153,21 @@ class Imu(Protocol):
         ...
 
 
+class StopInput(Protocol):
+    """A button, a key or a pull cord that stops the robot."""
+
+    def read(self) -> str | None:
+        """Take a reading; return why the robot is to stop, in words, or None if it may move. Never raises.
+
+        It may wait for seconds.
+        """
+        ...
+
+    def close(self) -> None:
+        """Give the port back. Never raises."""
+        ...
+
+
 class FootSwitches(Protocol):
     """Switches under the feet, of a board that tells of its own accord which are closed."""
 

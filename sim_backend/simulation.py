@@ -11,6 +11,7 @@ from sim_backend.brands import make_device, make_servo
 from sim_backend.fake_foot_switches import FakeFootSwitches, SimulatedFootSwitches
 from sim_backend.fake_imu import FakeImu, SimulatedImu
 from sim_backend.fake_servo import FakeServo
+from sim_backend.fake_stop_board import FakeStopBoard, SimulatedStopBoard
 from sim_backend.servo_physics import ServoPhysics
 from sim_backend.simulated_clock import SimulatedClock
 from sim_backend.talker import Talker
@@ -42,10 +43,11 @@ class SimulatedRobot:
         *, rate_hz: int, seed: int = 0, adapter: AdapterName = "none", supply_v: float | None = None,
         internal_resistance: float = 0.0, ground: Ground = FLAT, imu: tuple[str, SimulatedImu] | None = None,
         foot_switches: tuple[str, SimulatedFootSwitches] | None = None,
+        stop_board: tuple[str, SimulatedStopBoard] | None = None,
     ) -> None:
         """Build the robot; `servos` and `seated` (rad) are in joint order; one supply (V, ohm) feeds them all.
 
-        `imu` and `foot_switches` are the name of a port and what talks there.
+        `imu`, `foot_switches` and `stop_board` are the name of a port and what talks there.
 
         Raises:
             ValueError: a bus has a baud that its servos do not have, or servos of two protocols.
@@ -75,6 +77,11 @@ class SimulatedRobot:
         if foot_switches is not None:
             name, board = foot_switches
             self._add_talker(name, FakeFootSwitches(board, self.world.pressed), board.baud, adapter, seed)
+        self.stop_board: FakeStopBoard | None = None
+        if stop_board is not None:
+            name, button = stop_board
+            self.stop_board = FakeStopBoard(button)
+            self._add_talker(name, self.stop_board, button.baud, adapter, seed)
         self.observers: list[Callable[[], None]] = []
         self._steps = 0
         self._schedule_step()

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from hal import bus_plan
 from hal.calibration import Calibration
 from hal.drive import response
-from hal.hardware import HardwareConfig, foot_switch_problems, imu_problems, problems
+from hal.hardware import HardwareConfig, foot_switch_problems, imu_problems, problems, stop_input_problems
 from hal.imu.model import ImuModel
 from hal.joint_calibration import CalibrationConfig
 from hal.protocols import protocol_of
@@ -188,6 +188,7 @@ def build(files: Files) -> Blueprint:
     legs = [leg.name for leg in model.legs]
     for path, what, got in (
         *problems(hardware, limits, servos), *imu_problems(hardware, imus), *foot_switch_problems(hardware, legs),
+        *stop_input_problems(hardware),
     ):
         raise document.error(("hardware", *path), what, got)
     if model.levelling is not None and model.levelling.by == "imu" and hardware.imu is None:

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from hal.hardware import FEET_PORT, IMU_PORT
+from hal.hardware import FEET_PORT, IMU_PORT, STOP_PORT
 from robotwalk.assembly.blueprint import Blueprint, load
 from robotwalk.assembly.lines import close_lines, open_lines, urls_of
 from robotwalk.assembly.session import (
@@ -26,6 +26,7 @@ from robotwalk.assembly.session import (
     open_log,
     robot_of,
 )
+from robotwalk.assembly.stop_reader import StopReader, unreadable, watch_of
 from robotwalk.clock import WallClock
 from robotwalk.kinematics import resting_angles
 from robotwalk.ports import BytePort
@@ -36,6 +37,7 @@ from robotwalk.process.mailbox import packed, unpacked
 from robotwalk.process.messages import Brief, Report
 from robotwalk.process.rescue import bring_down
 from robotwalk.process.shared import Mailbox, create
+from robotwalk.process.stop_input import StopWatch
 from robotwalk.recorder import Recorder
 from robotwalk.robot import Robot
 
@@ -48,8 +50,8 @@ def connect(
 
     Args:
         robot: its name, path or blueprint.
-        ports: URLs by the names of buses, of the IMU as "imu", of the foot switches as "feet", in place of those in
-            the robot's file.
+        ports: URLs by the names of buses, of the IMU as "imu", of the foot switches as "feet", of a stop input's own
+            port as "stop", in place of those in the robot's file.
         real: whether URLs may lead to a physical robot.
         rate_hz: ticks per second.
         log: where to record every tick.
@@ -77,6 +79,9 @@ def connect(
         foot_switches=sensors.get(FEET_PORT), recorder=recorder, torque=torque, refused=blueprint.refused)
     for sentence in loop.status.lacking:
         walker.note("real_time", sentence)
+    lacking = unreadable(blueprint.hardware.stop_input, urls)
+    if lacking is not None:
+        walker.note("stop_input", lacking)
     return Session(blueprint, walker)
 
 
@@ -97,40 +102,52 @@ def _start(
     blueprint: Blueprint, urls: Mapping[str, str], opened: Mapping[str, BytePort], rate_hz: int,
     recorder: Recorder | None,
 ) -> RemoteLoop:
-    """Start the process of the loop, and who guards it."""
-    shared, path = create(blueprint.model.name)
-    doorbell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-    lines = {name: (urls[name], port.fileno()) for name, port in opened.items()}
-    brief = Brief(
-        os.getpid(), blueprint.files.texts(), lines, shared, doorbell, rate_hz, recorded=recorder is not None)
-    mailbox = Mailbox(shared)
-    process = subprocess.Popen(
-        [sys.executable, "-m", "robotwalk.assembly.loop_process", blueprint.model.name],
-        stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, start_new_session=True,
-        pass_fds=[shared, doorbell, *(descriptor for _, descriptor in lines.values())])
-    assert process.stdin is not None
-    with contextlib.suppress(BrokenPipeError), process.stdin:
-        process.stdin.write(packed(brief))
-    guardian = Guardian(
-        process, mailbox, lambda: _rescue(blueprint, opened, mailbox), emptier(mailbox.log, recorder))
+    """Start the process of the loop, who guards it, and who reads its stop input."""
+    config = None if unreadable(blueprint.hardware.stop_input, urls) else blueprint.hardware.stop_input
+    with contextlib.ExitStack() as undo:
+        shared, path = create(blueprint.model.name)
+        undo.callback(path.unlink, missing_ok=True)
+        undo.callback(os.close, shared)
+        mailbox = Mailbox(shared)
+        reader = StopReader(config, urls, opened, shared) if config is not None else None
+        if reader is not None:
+            undo.callback(reader.close)
+        doorbell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        undo.callback(os.close, doorbell)
+        lines = {name: (urls[name], port.fileno()) for name, port in opened.items() if name != STOP_PORT}
+        brief = Brief(
+            os.getpid(), blueprint.files.texts(), lines, shared, doorbell, rate_hz, recorded=recorder is not None,
+            stop_input=config is not None)
+        process = subprocess.Popen(
+            [sys.executable, "-m", "robotwalk.assembly.loop_process", blueprint.model.name],
+            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, start_new_session=True,
+            pass_fds=[
+                shared, doorbell, *([reader.lease] if reader is not None else []),
+                *(descriptor for _, descriptor in lines.values())])
+        undo.callback(process.wait)
+        undo.callback(process.kill)
+        assert process.stdin is not None
+        with contextlib.suppress(BrokenPipeError), process.stdin:
+            process.stdin.write(packed(brief))
+        guardian = Guardian(
+            process, mailbox, lambda: _rescue(blueprint, opened, mailbox, watch_of(config, mailbox)),
+            emptier(mailbox.log, recorder))
+        undo.callback(guardian.stand_down)
 
-    def give_back() -> None:
-        close_lines(opened)
-        os.close(shared)
+        def give_back() -> None:
+            if reader is not None:
+                reader.close()
+            close_lines(opened)
+            os.close(shared)
 
-    try:
-        return RemoteLoop(rate_hz, mailbox, path, doorbell, process, guardian, give_back)
-    except BaseException:
-        process.kill()
-        process.wait()
-        guardian.stand_down()
-        os.close(shared)
-        os.close(doorbell)
-        path.unlink(missing_ok=True)
-        raise
+        loop = RemoteLoop(rate_hz, mailbox, path, doorbell, process, guardian, give_back)
+        undo.pop_all()
+        return loop
 
 
-def _rescue(blueprint: Blueprint, ports: Mapping[str, BytePort], mailbox: Mailbox) -> list[str]:
+def _rescue(
+    blueprint: Blueprint, ports: Mapping[str, BytePort], mailbox: Mailbox, watch: StopWatch,
+) -> list[str]:
     """Bring a robot down whose loop is gone. Never raises."""
     clock = WallClock()
     bus = bus_of(blueprint, clock, ports)
@@ -139,6 +156,6 @@ def _rescue(blueprint: Blueprint, ports: Mapping[str, BytePort], mailbox: Mailbo
         message = mailbox.telemetry.newest()
         report: Report | None = unpacked(message.data) if message is not None else None
         believed = report.tick.goals if report is not None else seat
-        return bring_down(bus, clock, gate_of(blueprint), believed, seat)
+        return bring_down(bus, clock, gate_of(blueprint), believed, seat, watch)
     except Exception:
         return bus.disarm()

@@ -10,6 +10,7 @@ from hal.serial_transport import inherited_port
 from robotwalk.assembly.blueprint import Files, build
 from robotwalk.assembly.real_time import enter_real_time
 from robotwalk.assembly.session import engine_of
+from robotwalk.assembly.stop_reader import watch_of
 from robotwalk.process.log_feed import LogFeed
 from robotwalk.process.mailbox import unpacked
 from robotwalk.process.messages import Brief
@@ -42,7 +43,8 @@ def main() -> None:
         missing = enter_real_time(awake)
         Servant(
             engine.loop, engine.bus, {line: sensor for line, sensor in heard.items() if sensor is not None},
-            clock, mailbox, brief.doorbell, missing, blueprint.model.safety.driver.sit_after_s).serve()
+            clock, mailbox, brief.doorbell, missing, blueprint.model.safety.driver.sit_after_s,
+            watch_of(blueprint.hardware.stop_input if brief.stop_input else None, mailbox)).serve()
 
 
 if __name__ == "__main__":

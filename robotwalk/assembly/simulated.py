@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hal.hardware import FEET_PORT, IMU_PORT
+from hal.hardware import FEET_PORT, IMU_PORT, STOP_PORT
 from robotwalk.assembly.blueprint import Blueprint, load
 from robotwalk.assembly.session import RATE_HZ, LocalSession, check_rate, engine_of, open_log, robot_of
 from robotwalk.config import library
@@ -21,6 +21,7 @@ from sim_backend.terrain.course import Terrain, read_terrain
 if TYPE_CHECKING:
     from sim_backend.fake_foot_switches import SimulatedFootSwitches
     from sim_backend.fake_imu import SimulatedImu
+    from sim_backend.fake_stop_board import SimulatedStopBoard
     from sim_backend.film import Film
     from sim_backend.simulation import SimulatedRobot
     from sim_backend.viewer import Viewer
@@ -71,11 +72,11 @@ def simulate(
 
 def simulated_robot(
     blueprint: Blueprint, rate_hz: int, seed: int, adapter: AdapterName = "none", faults: Script = (),
-    terrain: Terrain | None = None,
+    terrain: Terrain | None = None, served: bool = False,
 ) -> "SimulatedRobot":
     """Build a simulated robot, seated, torque off, with nothing that controls it. `faults` will befall it.
 
-    It is on flat ground if `terrain` is None.
+    It is on flat ground if `terrain` is None. Only one that is `served` as a device has its stop button.
 
     Raises:
         ConfigError: the faults are wrong; says where.
@@ -83,7 +84,7 @@ def simulated_robot(
     from sim_backend.simulation import SimulatedRobot, SimulatedServo
     from sim_backend.world import Mounting
 
-    script = _read_faults(faults, blueprint)
+    script = _read_faults(faults, blueprint, served=served)
     servos = []
     for joint in blueprint.model.joint_names:
         row = blueprint.hardware.joints[joint]
@@ -95,14 +96,19 @@ def simulated_robot(
         supply_v=blueprint.hardware.power.supply_v,
         internal_resistance=blueprint.hardware.power.internal_resistance_ohm,
         ground=(terrain or load_terrain(FLAT)).lay_out(0.5 * blueprint.model.body_box.x, seed),
-        imu=_simulated_imu(blueprint), foot_switches=_simulated_foot_switches(blueprint))
+        imu=_simulated_imu(blueprint), foot_switches=_simulated_foot_switches(blueprint),
+        stop_board=_simulated_stop_board(blueprint) if served else None)
     stage(world, script, seed)
     return world
 
 
-def _read_faults(faults: Script, blueprint: Blueprint) -> list[Fault]:
-    wiring = {joint: row.bus for joint, row in blueprint.hardware.joints.items()}
-    return read_script(faults, wiring, list(blueprint.hardware.sensors))
+def _read_faults(faults: Script, blueprint: Blueprint, *, served: bool) -> list[Fault]:
+    hardware = blueprint.hardware
+    wiring = {joint: row.bus for joint, row in hardware.joints.items()}
+    lines = dict.fromkeys(hardware.sensors)
+    if not served or hardware.stop_input is None or hardware.stop_input.input is None:
+        lines.pop(STOP_PORT, None)
+    return read_script(faults, wiring, list(lines))
 
 
 def _simulated_imu(blueprint: Blueprint) -> "tuple[str, SimulatedImu] | None":
@@ -132,6 +138,16 @@ def _simulated_foot_switches(blueprint: Blueprint) -> "tuple[str, SimulatedFootS
     return FEET_PORT, SimulatedFootSwitches(config.baud, config.rate_hz, inputs, config.closes_at_n)
 
 
+def _simulated_stop_board(blueprint: Blueprint) -> "tuple[str, SimulatedStopBoard] | None":
+    """Return the name of the stop input's own port, and the board that is to talk there; None if it has none."""
+    from sim_backend.fake_stop_board import SimulatedStopBoard
+
+    config = blueprint.hardware.stop_input
+    if config is None or config.input is None:
+        return None
+    return STOP_PORT, SimulatedStopBoard(config.baud, config.input, config.contact == "normally_closed")
+
+
 def serve(
     robot: str, *, pty: Path | None, tcp: str | None, adapter: AdapterName, seed: int, faults: Script,
     truth: Path | None, seconds: float | None, ready: Callable[[dict[str, str], str | None], None],
@@ -156,7 +172,7 @@ def serve(
     doors = (
         open_ptys(pty, lines, unasked=tuple(blueprint.hardware.sensors)) if pty is not None
         else open_sockets(parse_address(tcp or ""), lines))
-    world = simulated_robot(blueprint, RATE_HZ, seed, adapter, faults, ground)
+    world = simulated_robot(blueprint, RATE_HZ, seed, adapter, faults, ground, served=True)
     with contextlib.ExitStack() as stack:
         page = None
         if view:
@@ -174,7 +190,7 @@ def befall(simulation: Simulation, faults: Script, seed: str) -> None:
     Raises:
         ConfigError: the faults are wrong; says where.
     """
-    stage(simulation.world, _read_faults(faults, simulation.blueprint), seed)
+    stage(simulation.world, _read_faults(faults, simulation.blueprint, served=False), seed)
 
 
 def bare_physics(world: "SimulatedRobot", seconds: float) -> float:

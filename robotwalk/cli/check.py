@@ -59,6 +59,7 @@ def check(
             },
             **_imu_fields(blueprint),
             **_foot_switch_fields(blueprint),
+            **_stop_input_fields(blueprint),
             "supply": {
                 "stall_a": round(supply.stall_a, 2), "stated_a": supply.stated_a, "supply_v": supply.supply_v,
                 "sag_at_stall_v": round(supply.sag_v, 2), "servos_without_sheet": supply.unknown},
@@ -67,6 +68,7 @@ def check(
         _show(blueprint, gaits, buses, rate)
         _show_imu(blueprint)
         _show_foot_switches(blueprint)
+        _show_stop_input(blueprint)
         _show_supply(supply)
         for problem in problems:
             say(f"problem: {problem}")
@@ -170,6 +172,22 @@ def _show_foot_switches(blueprint: assembly.Blueprint) -> None:
         say(f"foot switches: {', '.join(switches['inputs'])}, {switches['rate_hz']:g} Hz at {switches['baud']} baud; "
             + (f"silent for {switches['stale_after_s']:g} s, feet go by their loads" if switches["used"]
                else "nothing goes by them without locomotion: contact"))
+
+
+def _stop_input_fields(blueprint: assembly.Blueprint) -> dict[str, Any]:
+    """Return what is to be said of the stop input; nothing without one."""
+    config = blueprint.hardware.stop_input
+    if config is None:
+        return {}
+    place = f"line {config.line.upper()}" if config.line is not None else f"input {config.input} of the board"
+    where = f"of bus {config.bus}" if config.bus is not None else f"at {config.port}"
+    return {"stop_input": {"at": f"{place} {where}", "contact": config.contact, "stop": config.stop}}
+
+
+def _show_stop_input(blueprint: assembly.Blueprint) -> None:
+    for button in _stop_input_fields(blueprint).values():
+        warning = "" if button["contact"] == "normally_closed" else "; a cut wire is not noticed"
+        say(f"stop input: {button['at']}, {button['contact'].replace('_', ' ')}: {button['stop']}{warning}")
 
 
 def _gait_fields(gait: _Judged) -> dict[str, Any]:

@@ -19,6 +19,7 @@ class Brief(NamedTuple):
     doorbell: int
     rate_hz: int
     recorded: bool
+    stop_input: bool  # another process reads it
 
 
 class Orders(NamedTuple):

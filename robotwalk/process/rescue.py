@@ -9,6 +9,8 @@ from typing import Protocol
 from robotwalk.clock import Grid
 from robotwalk.limits import Gate
 from robotwalk.ports import Clock
+from robotwalk.process.shared import Stop
+from robotwalk.process.stop_input import StopWatch
 from robotwalk.types import JointState
 from robotwalk.unfold import Unfold
 
@@ -34,7 +36,9 @@ class OrphanBus(Protocol):
         ...
 
 
-def bring_down(bus: OrphanBus, clock: Clock, gate: Gate, believed: Sequence[float], seat: Sequence[float]) -> list[str]:
+def bring_down(
+    bus: OrphanBus, clock: Clock, gate: Gate, believed: Sequence[float], seat: Sequence[float], watch: StopWatch,
+) -> list[str]:
     """Hold the robot, lower it, switch its torque off.
 
     Args:
@@ -43,21 +47,24 @@ def bring_down(bus: OrphanBus, clock: Clock, gate: Gate, believed: Sequence[floa
         gate: of the goals; none has passed it yet.
         believed: where the joints should be by what was heard last, rad.
         seat: where they are when it sits, rad.
+        watch: of the stop input, which keeps the robot where it is, or has it let go.
 
     Returns:
         The joints at which torque may still be on.
     """
-    here = bus.adopt(believed).position
-    gate.reset(here)
-    lowering = Unfold(here, seat)
+    goals: Sequence[float] = bus.adopt(believed).position
+    gate.reset(goals)
+    lowering = Unfold(goals, seat)
     grid = Grid(_RATE_HZ, after=clock.now())
     left = {"hold": round(_HOLD * _RATE_HZ), "settle": round(_SETTLE * _RATE_HZ)}
     while left["settle"]:
         clock.wait((), grid.deadline)
+        heeded = watch.look()
+        if heeded is not None and heeded.stop is Stop.LIMP:
+            break
         if left["hold"]:
             left["hold"] -= 1
-            goals: Sequence[float] = here
-        else:
+        elif heeded is None or heeded.stop is not Stop.HOLD:
             goals = lowering.step(1.0 / _RATE_HZ)
             left["settle"] -= lowering.done
         bus.exchange(gate.step(goals, 1.0 / _RATE_HZ), _PERIOD)

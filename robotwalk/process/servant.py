@@ -1,7 +1,7 @@
 """The loop's end: does what the mailbox says with one loop, and shows what comes of it.
 
     the driver's calls and orders   are heeded between ticks
-    stops, from anybody             hold, sit or let go, whatever the driver wants
+    stops, from anybody             hold, sit or let go, whatever the driver wants; so does the stop input
     a driver that is silent         has the loop slow to a stand (see `Loop`), and later sit
     the command that is gone        SIGTERM comes from the kernel then: sit
 """
@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from robotwalk.cycle import SensorReports
-from robotwalk.errors import RobotwalkError, UsageError
+from robotwalk.errors import RobotwalkError, SafetyStop, UsageError
 from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Loop, Tick
 from robotwalk.ports import ServoBus
@@ -20,6 +20,7 @@ from robotwalk.process.mailbox import packed, unpacked
 from robotwalk.process.messages import Answer, Call, Orders, Report, Status
 from robotwalk.process.pulse import PulsingClock
 from robotwalk.process.shared import Mailbox, Stop
+from robotwalk.process.stop_input import Heeded, StopWatch
 from robotwalk.supervisor import Request, State
 from robotwalk.types import Command, JointState
 
@@ -35,7 +36,7 @@ class Servant:
 
     def __init__(
         self, loop: Loop, bus: ServoBus, sensors: Mapping[str, SensorReports], clock: PulsingClock, mailbox: Mailbox,
-        doorbell: int, lacking: Sequence[str], abandoned: float,
+        doorbell: int, lacking: Sequence[str], abandoned: float, watch: StopWatch,
     ) -> None:
         """Join the parts.
 
@@ -46,10 +47,15 @@ class Servant:
             doorbell: an eventfd to ring after each tick.
             lacking: what there is no right to, in words.
             abandoned: s without a sign of the driver after which the robot sits down.
+            watch: of the stop input.
         """
         self._loop, self._bus, self._sensors = loop, bus, sensors
         self._clock, self._mailbox, self._doorbell, self._lacking = clock, mailbox, doorbell, tuple(lacking)
         self._abandoned = abandoned
+        self._watch = watch
+        self._pressed: Heeded | None = None  # what the stop input says
+        self._obeyed = False  # it has been done
+        self._news: tuple[tuple[str, str], ...] = ()  # for the next tick
         self._armed = JointState((), (), (), (), ())  # the joints, as armed
         self._runs = False  # the loop goes round
         self._leaving: str | None = None  # why the robot sits down without its driver
@@ -88,6 +94,7 @@ class Servant:
     def _listen(self) -> None:
         """Heed what has come."""
         self._heed_stops()
+        self._heed_stop_input()
         if self._leaving is None and self._is_new("command"):
             orders = self._read("command")
             if isinstance(orders, Orders):
@@ -135,28 +142,40 @@ class Servant:
         self._numbers["stop"] = number
         self._mailbox.heed.write(self._heed(stop).encode()[:400], number)
 
-    def _heed(self, stop: Stop) -> str:
+    def _heed_stop_input(self) -> None:
+        """Do what the stop input says, once; as long as it says so nothing undoes it."""
+        self._pressed = self._watch.look()
+        if self._pressed is None or not self._loop.armed:
+            self._obeyed = False
+        elif not self._obeyed:
+            self._obeyed = True
+            self._news += (("stop_input", self._pressed.reason),)
+            self._heed(self._pressed.stop, self._pressed.reason)
+
+    def _heed(self, stop: Stop, why: str = "told to stop") -> str:
         """Do what somebody tells the robot, and return what that is, in words that follow its name."""
         loop = self._loop
         if stop is Stop.LIMP:
             self._disarm()
-            self._end("told to stop: its torque was switched off at once")
+            self._end(f"{why}: its torque was switched off at once")
             return f"has its torque off{self._doubt}"
         if not loop.armed:
             if stop is Stop.SIT:
-                self._end("told to stop: its torque was off already")
+                self._end(f"{why}: its torque was off already")
             return "has its torque off already"
         if stop is Stop.HOLD:
             loop.hold()
             return "holds where it is; `robotwalk clear` lets it sit down, `robotwalk stop --limp` lets go"
         if stop is Stop.CLEAR and loop.state is not State.HELD:
             return "is not held"
+        if stop is Stop.CLEAR and self._pressed is not None:
+            return f"stays held, for it is {self._pressed.reason}; `robotwalk stop --sit` lets it down all the same"
         if stop is Stop.CLEAR and self._bus.alerts:
             told = "; ".join(f"the servo of {joint} {words}" for joint, words in self._bus.alerts.items())
             return f"stays held, for {told}; `robotwalk stop --sit` lets it down all the same"
         loop.clear()
         if stop is Stop.SIT:
-            self._leave("told to stop: the robot sat down")
+            self._leave(f"{why}: the robot sat down")
         return "sits down"
 
     @property
@@ -181,7 +200,9 @@ class Servant:
             case Call("request", str(name)):
                 self._loop.request(Request(name))
             case Call("arm", float(torque)):
-                with self._clock.arming():
+                if self._pressed is not None:
+                    raise SafetyStop(f"cannot arm: {self._pressed.reason}")
+                with self._clock.arming(self._watch):
                     self._armed = self._loop.arm(torque)
                 return self._armed
             case Call("begin"):
@@ -231,6 +252,8 @@ class Servant:
     def _show(self, tick: Tick) -> None:
         """Let everybody see a tick."""
         self._ticks += 1
+        if self._news:
+            tick, self._news = tick._replace(news=self._news + tick.news), ()
         self._mailbox.telemetry.write(packed(Report(tick, self._loop.fault, self._loop.low, self._loop.missed)))
         self._ring()
 

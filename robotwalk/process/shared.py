@@ -23,7 +23,8 @@ _HISTOGRAM = 8 * 821  # bytes; `robotwalk.timing.HISTOGRAM_SIZE`
 # Bytes of each part. The log's pages are only used where a run is recorded.
 _LAYOUT = {
     "about": 512, "stop": 64, "heed": 512, "command": 2048, "call": 1024, "driver": 64, "guardian": 64, "pulse": 64,
-    "answer": 65536, "status": 65536, "telemetry": _TICKS * 16384, "histograms": 3 * _HISTOGRAM, "log": 1 << 23}
+    "stop_input": 512, "answer": 65536, "status": 65536, "telemetry": _TICKS * 16384, "histograms": 3 * _HISTOGRAM,
+    "log": 1 << 23}
 _PULSE = struct.Struct("<QB")
 _STOP = struct.Struct("<B")
 
@@ -61,6 +62,7 @@ class Mailbox:
         self.call = Slot(places["call"])
         self.driver = Slot(places["driver"])  # its beat
         self.guardian = Slot(places["guardian"])
+        self.stop_input = Slot(places["stop_input"])  # its newest reading
         self.answer = Slot(places["answer"])
         self.status = Slot(places["status"])
         self.telemetry = Track(places["telemetry"], _TICKS)

@@ -1,8 +1,9 @@
-"""Faults of the body, which the servos only feel."""
+"""What befalls the body, and a person who presses the stop button for that: the servos only feel it."""
 
 import math
+from collections.abc import Collection, Iterator, Mapping
 from random import Random
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -11,6 +12,9 @@ from sim_backend.faults.fault import End, Joint, LastingFault, Seconds
 
 if TYPE_CHECKING:
     from sim_backend.simulation import SimulatedRobot
+
+
+_STOP_LINE = "stop"  # what the line of the stop input is called
 
 
 class StuckJoint(LastingFault):
@@ -38,3 +42,28 @@ class Push(LastingFault):
         force = Vec3(self.force_n * math.cos(course), self.force_n * math.sin(course), 0.0)
         robot.world.push(force)
         return lambda: robot.world.push(Vec3(-force.x, -force.y, 0.0))
+
+
+class PressStop(LastingFault):
+    """A person presses the stop button, of a robot on a bus whose stop input is a board's."""
+
+    fault: Literal["press_stop"]
+
+    def begin(self, robot: "SimulatedRobot", chance: Random) -> End:
+        """Let it happen to a robot now; return what ends it."""
+        assert robot.stop_board is not None, "the script was checked"
+        board = robot.stop_board
+        board.pressed = True
+
+        def end() -> None:
+            board.pressed = False
+        return end
+
+    def complaints(
+        self, wiring: Mapping[str, str], other_lines: Collection[str] = ()
+    ) -> Iterator[tuple[str, str, Any]]:
+        """Yield key, problem and value where it does not fit a robot."""
+        if _STOP_LINE not in other_lines:
+            yield "fault", (
+                "nobody reads a button here: it needs a `stop_input` of a board in the robot's file, and `robotwalk "
+                "sim`"), self.kind()

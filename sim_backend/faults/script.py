@@ -14,7 +14,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 from robotwalk.config.document import Document
-from sim_backend.faults.body import Push, StuckJoint
+from sim_backend.faults.body import PressStop, Push, StuckJoint
 from sim_backend.faults.fault import Fault
 from sim_backend.faults.replies import CorruptFrame, DelayReply, DropReply
 from sim_backend.faults.servos import BrownOut, DeadServo, Overheat, Overload, VoltageDrop, WrongFirmware
@@ -29,7 +29,7 @@ Script = str | Path | Sequence[Mapping[str, Any]]
 
 FAULTS: Mapping[str, type[Fault]] = {fault.kind(): fault for fault in (
     DropReply, CorruptFrame, DelayReply, DuplicateId, Noise, Unplug, BrownOut, Overload, Overheat, DeadServo,
-    StuckJoint, VoltageDrop, WrongFirmware, Push)}
+    StuckJoint, VoltageDrop, WrongFirmware, Push, PressStop)}
 
 
 def read_script(script: Script, wiring: Mapping[str, str], other_lines: Collection[str] = ()) -> list[Fault]:

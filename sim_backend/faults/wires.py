@@ -22,7 +22,7 @@ class Noise(LastingFault):
     """
 
     fault: Literal["noise"]
-    bus: Annotated[str | None, Field(description="only this bus; imu, feet: only that sensor's line")] = None
+    bus: Annotated[str | None, Field(description="only this bus; imu, feet, stop: only that sensor's line")] = None
     largest: Annotated[int, Field(ge=1, le=1000, description="bytes of the longest burst")] = 8
     every_ms: Annotated[float, Field(ge=0.1, le=1e6, description="ms from one burst to the next")] = 10.0
 
@@ -55,7 +55,7 @@ class Unplug(LastingFault):
     """
 
     fault: Literal["unplug"]
-    bus: Annotated[str, Field(description="name of the bus; imu, feet: that sensor's line")]
+    bus: Annotated[str, Field(description="name of the bus; imu, feet, stop: that sensor's line")]
 
     def begin(self, robot: "SimulatedRobot", chance: Random) -> End:
         """Let it happen to a robot now; return what ends it."""

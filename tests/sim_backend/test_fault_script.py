@@ -74,7 +74,7 @@ def test_all_faults_are_explained_key_by_key() -> None:
     explained = {row["name"]: row for row in explain_faults()}
     assert set(explained) == set(FAULTS) == {
         "drop_reply", "corrupt_frame", "delay_reply", "duplicate_id", "noise", "unplug", "brown_out", "overload",
-        "overheat", "dead_servo", "stuck_joint", "voltage_drop", "wrong_firmware", "push"}
+        "overheat", "dead_servo", "stuck_joint", "voltage_drop", "wrong_firmware", "push", "press_stop"}
     for row in explained.values():
         assert row["description"]
         assert all(facts["description"] for facts in row["keys"].values()), row
