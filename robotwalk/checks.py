@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 from robotwalk.chain import foot_position
 from robotwalk.config.document import Document
-from robotwalk.config.schema import AnyGaitConfig, GaitConfig, RobotConfig
+from robotwalk.config.gait_schema import AnyGaitConfig, GaitConfig
+from robotwalk.config.schema import RobotConfig
 from robotwalk.controller import Controller
 from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait

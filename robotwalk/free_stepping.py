@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from robotwalk.body import advanced, placed
-from robotwalk.config.schema import GaitConfig, SteppingConfig, TimingConfig
+from robotwalk.config.gait_schema import GaitConfig, SteppingConfig, TimingConfig
 from robotwalk.model import Leg, RobotModel
 from robotwalk.support import support_margin
 from robotwalk.types import STILL, Pose, Twist, Vec3

@@ -10,7 +10,7 @@ from collections.abc import Sequence, Set
 from functools import partial
 from typing import NamedTuple
 
-from robotwalk.config.schema import GaitConfig
+from robotwalk.config.gait_schema import GaitConfig
 from robotwalk.errors import UsageError
 from robotwalk.free_stepping import FreeStepping, SteppingCircles
 from robotwalk.model import RobotModel

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from robotwalk.config.document import Document
-from robotwalk.config.schema import (
+from robotwalk.config.gait_schema import (
     GAIT_KINDS,
     AnyGaitConfig,
     GaitConfig,

@@ -8,13 +8,8 @@ import pytest
 
 from robotwalk import assembly
 from robotwalk.config import library
-from robotwalk.config.schema import (
-    ContactConfig,
-    FeedForwardConfig,
-    LocomotionConfig,
-    ReactionConfig,
-    TimingConfig,
-)
+from robotwalk.config.gait_schema import TimingConfig
+from robotwalk.config.schema import ContactConfig, FeedForwardConfig, LocomotionConfig, ReactionConfig
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "systems.md").read_text()
 ROWS = dict(re.findall(r"^\| `([\w.]+)` \| ([^|]+?) \|", PAGE, re.MULTILINE))

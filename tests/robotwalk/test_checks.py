@@ -9,7 +9,7 @@ import pytest
 from robotwalk import assembly, checks
 from robotwalk.config import library
 from robotwalk.config.document import Document
-from robotwalk.config.schema import GaitConfig
+from robotwalk.config.gait_schema import GaitConfig
 from robotwalk.errors import ConfigError
 from robotwalk.gait import Gait
 from robotwalk.kinematics import resting_angles

@@ -9,7 +9,7 @@ import pytest
 
 from robotwalk.body import placed
 from robotwalk.config.document import Document
-from robotwalk.config.schema import SteppingConfig
+from robotwalk.config.gait_schema import SteppingConfig
 from robotwalk.errors import ConfigError
 from robotwalk.foot import Foot
 from robotwalk.free_stepping import at, circles, passing

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from robotwalk.config.schema import GaitConfig
+from robotwalk.config.gait_schema import GaitConfig
 from robotwalk.errors import UsageError
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.model import RobotModel

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robotwalk import assembly
-from robotwalk.config.schema import GaitConfig
+from robotwalk.config.gait_schema import GaitConfig
 from robotwalk.errors import UsageError
 from robotwalk.gait import Gait, Sector
 from robotwalk.model import RobotModel

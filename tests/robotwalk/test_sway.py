@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from robotwalk.chain import foot_position
 from robotwalk.config import library
-from robotwalk.config.schema import GaitConfig, RobotConfig
+from robotwalk.config.gait_schema import GaitConfig
+from robotwalk.config.schema import RobotConfig
 from robotwalk.controller import Controller, Wanted, twist_of
 from robotwalk.estimator import Estimate
 from robotwalk.gait import Gait
