@@ -53,17 +53,23 @@ def seen_from(pose: Pose, points: Iterable[Vec3]) -> list[Vec3]:
     return seen
 
 
-def in_odom(pose: Pose, vectors: Iterable[Vec3]) -> list[Vec3]:
-    """Return vectors of the base frame of a body at `pose` in odom's axes; points need the body's place added."""
-    cr, sr = math.cos(pose.roll), math.sin(pose.roll)
-    cp, sp = math.cos(pose.pitch), math.sin(pose.pitch)
-    cy, sy = math.cos(pose.yaw), math.sin(pose.yaw)
-    turned = []
-    for x, y, z in vectors:
+class Attitude:
+    """How a body at a pose lies in odom."""
+
+    __slots__ = ("_pitch", "_roll", "_yaw")
+
+    def __init__(self, pose: Pose) -> None:
+        self._roll = math.cos(pose.roll), math.sin(pose.roll)
+        self._pitch = math.cos(pose.pitch), math.sin(pose.pitch)
+        self._yaw = math.cos(pose.yaw), math.sin(pose.yaw)
+
+    def in_odom(self, vector: Vec3) -> Vec3:
+        """Return a vector of the base frame along odom's axes; a point needs the body's place added."""
+        (cr, sr), (cp, sp), (cy, sy) = self._roll, self._pitch, self._yaw
+        x, y, z = vector
         y, z = cr * y - sr * z, sr * y + cr * z
         x, z = cp * x + sp * z, cp * z - sp * x
-        turned.append(Vec3(cy * x - sy * y, sy * x + cy * y, z))
-    return turned
+        return Vec3(cy * x - sy * y, sy * x + cy * y, z)
 
 
 def up_axis(pose: Pose) -> Vec3:

@@ -41,15 +41,6 @@ class Felt(NamedTuple):
 _NOTHING = Felt(Vec3(0.0, 0.0, 0.0), 0.0, touching=False, sure=False)
 
 
-class Sense(NamedTuple):
-    """What one foot feels, and where, in odom."""
-
-    place: Vec3  # of its centre, m, as its joints tell
-    push: Vec3  # N, of the ground on it
-    touching: bool
-    sure: bool  # of that, however fast its leg is
-
-
 class _Motor(NamedTuple):
     """What a joint's effort tells; see `DriveResponse`."""
 
@@ -180,13 +171,6 @@ class Plane(NamedTuple):
     def at(self, place: Vec3) -> float:
         """Return it at a place, whatever that one's own z."""
         return self.middle + self.ahead * place.x + self.left * place.y
-
-
-def sag(told: Sequence[Vec3], measured: Sequence[Vec3 | None], standing: Sequence[bool]) -> Plane:
-    """Return how the body hangs lower than told on the feet that stand, as legs give, m; places in the base frame."""
-    return plane_of([
-        Vec3(got.x, got.y, got.z - want.z)
-        for want, got, stands in zip(told, measured, standing, strict=True) if got is not None and stands])
 
 
 def plane_of(points: Sequence[Vec3]) -> Plane:

@@ -5,9 +5,8 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from robotwalk.barriers import Barrier, Barriers
-from robotwalk.body import Body, in_odom, placed, seen_from, up_axis
+from robotwalk.body import Body, placed, seen_from, up_axis
 from robotwalk.carriage import MOST_ROOM, Bearable, Carriage
-from robotwalk.contact import Felt, Sense, sag
 from robotwalk.estimator import Estimate, tilted
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.kinematics import solver_for
@@ -18,6 +17,7 @@ from robotwalk.plumb import Plumb
 from robotwalk.reach import Ranges
 from robotwalk.reaction import Reaction
 from robotwalk.rocking import Rocking
+from robotwalk.senses import BodyInOdom, Sense
 from robotwalk.statics import Bearing, LegStatics
 from robotwalk.steering import Steering
 from robotwalk.stepping import FLAT, Footfalls, Stepping
@@ -272,28 +272,12 @@ class Controller:
         if not self._felt:
             return None
         pose, falls = self._pose, self._footfalls
-        standing = [
-            stands and felt is not None and felt.touching
-            for stands, felt in zip(falls.planted, estimate.felt, strict=True)]
-        give = sag(seen_from(pose, falls.stood), estimate.feet, standing)
-        heard: list[Felt | None] = []
-        vectors: list[Vec3] = []
-        for foot, felt in zip(estimate.feet, estimate.felt, strict=True):
-            if foot is None or felt is None:
-                heard.append(None)
-            else:
-                heard.append(felt)
-                vectors += Vec3(foot.x, foot.y, foot.z - give.at(foot)), felt.force
-        turned = iter(in_odom(tilted(pose, estimate.tilt if self._by_load else None), vectors))
-        senses: list[Sense | None] = []
-        for felt in heard:
-            if felt is None:
-                senses.append(None)
-            else:
-                x, y, z = next(turned)
-                place = Vec3(pose.x + x, pose.y + y, pose.z + z)
-                senses.append(Sense(place, next(turned), felt.touching, felt.sure))
-        return senses
+        body = BodyInOdom(
+            pose, tilted(pose, estimate.tilt if self._by_load else None), falls.stood, falls.planted, estimate.feet,
+            estimate.felt)
+        return [
+            None if felt is None or foot is None else Sense(felt, foot, body)
+            for felt, foot in zip(estimate.felt, estimate.feet, strict=True)]
 
     def _angles(self, footfalls: Footfalls) -> tuple[list[float], float]:
         angles: list[float] = []

@@ -2,11 +2,11 @@
 
 import math
 
-from robotwalk.contact import Sense
 from robotwalk.gait import Sector
 from robotwalk.model import Leg
 from robotwalk.plumb import Turn
 from robotwalk.search import Search
+from robotwalk.senses import Sense
 from robotwalk.swing import Swing
 from robotwalk.swing_paths import SwingPath
 from robotwalk.types import Pose, Vec3

@@ -7,8 +7,9 @@ nothing to share. A foot lifts off once all others bear: else the body would tip
 
 from collections.abc import Sequence
 
-from robotwalk.contact import Sense, plane_of
+from robotwalk.contact import plane_of
 from robotwalk.foot import Foot
+from robotwalk.senses import Sense
 from robotwalk.types import Vec3
 
 _GIVE = 2.5e-3  # m/s per N that a foot bears too little or too much

@@ -8,11 +8,11 @@ import math
 from random import Random
 
 from robotwalk.barriers import GivingUp
-from robotwalk.contact import Sense
 from robotwalk.foot import Foot
 from robotwalk.gait import Sector
 from robotwalk.model import ContactSettings
 from robotwalk.search import Phase, Search
+from robotwalk.senses import Sense
 from robotwalk.swing import Swing
 from robotwalk.types import Vec3
 
@@ -129,8 +129,10 @@ class Reflexes:
         """Tell whether something holds a foot back on its way."""
         dx, dy = foot.target.x - foot.stood.x, foot.target.y - foot.stood.y
         way = math.hypot(dx, dy)
-        back = -(sense.push.x * dx + sense.push.y * dy) / way if way > _LEAST_WAY else 0.0
-        return back > max(_BUMP * self._weight, _STEEP * sense.push.z)
+        if way <= _LEAST_WAY:
+            return False
+        x, y, z = sense.push
+        return -(x * dx + y * dy) / way > max(_BUMP * self._weight, _STEEP * z)
 
     def _be_surprised(self, by: float) -> None:
         self.caution = max(self.caution, min(by, self._contact.caution))

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from robotwalk.barriers import GivingUp
 from robotwalk.body import advanced, placed
-from robotwalk.contact import Sense
 from robotwalk.foot import Foot
 from robotwalk.free_stepping import FreeStepping
 from robotwalk.gait import GaitClock, Sector
@@ -20,6 +19,7 @@ from robotwalk.orientation import GroundPlane
 from robotwalk.plumb import Turn
 from robotwalk.reflexes import Reflexes, giving_up
 from robotwalk.search import Phase
+from robotwalk.senses import Sense
 from robotwalk.stance import Stance, due
 from robotwalk.statics import GRAVITY
 from robotwalk.types import STILL, UP, Pose, Twist, Vec3
