@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 from robotwalk.chronicle import Chronicle
 from robotwalk.cycle import BusReports, Cycle, SensorReports
-from robotwalk.errors import Held, SafetyStop
+from robotwalk.errors import Held, SafetyStop, UsageError
 from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Tick
 from robotwalk.supervisor import Request, State
@@ -41,8 +41,17 @@ class Pilot:
         self._interrupts = interrupts
 
     def request(self, request: Request) -> None:
-        """Ask the supervisor for a state."""
-        self._loop.request(request)
+        """Ask the supervisor for a state.
+
+        Raises:
+            UsageError: the robot cannot do that from its present state.
+            SafetyStop: since the last tick it was told to stop, or had to.
+        """
+        try:
+            self._loop.request(request)
+        except UsageError:
+            self._heed(self._loop.state)
+            raise
         self._chronicle.note("state", self._loop.state.value)
 
     def arm(self) -> None:
@@ -90,17 +99,21 @@ class Pilot:
         """
         for _ in range(round(seconds * self._loop.rate_hz)):
             tick = self.tick()
-            if tick.state is State.FAULT:
-                self.come_down()
-            if tick.state is State.HELD:
-                self._chronicle.note("stop", "told to stop: held in place")
-                raise Held("the robot was told to stop, and was held in place")
+            self._heed(tick.state)
             if until(tick):
                 return
             self._interrupts.check()
         if what is not None:
             self._chronicle.note("timeout", f"{what} took longer than {seconds:.0f} s")
             raise SafetyStop(f"the robot could not {what} within {seconds:.0f} s")
+
+    def _heed(self, state: State) -> None:
+        """Let a fault bring the robot down, or raise that it was told to stop, if that is how it is."""
+        if state is State.FAULT:
+            self.come_down()
+        if state is State.HELD:
+            self._chronicle.note("stop", "told to stop: held in place")
+            raise Held("the robot was told to stop, and was held in place")
 
     def tick(self) -> Tick:
         """Turn the cycle once.

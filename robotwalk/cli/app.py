@@ -19,7 +19,7 @@ app = App(
 # Loaded when called: `--help` need not wait for MuJoCo.
 app.command("robotwalk.cli.walk:walk", help="Stand up, walk, stop and sit: in simulation, or on a bus.")
 app.command("robotwalk.cli.teleop:teleop", help="Drive: by keys, a gamepad, or a program.")
-app.command("robotwalk.cli.stop:stop", help="Stop every robot that runs: hold it where it is.")
+app.command("robotwalk.cli.stop:stop", help="Stop every robot that runs, or one: hold it where it is.")
 app.command("robotwalk.cli.stop:clear", help="Let robots go that were told to stop: they sit down.")
 app.command("robotwalk.cli.replay:replay", help="Run the loop of a log again, and compare every byte that it sends.")
 app.command("robotwalk.cli.sim:sim", help="Serve a simulated robot as a device, in real time.")

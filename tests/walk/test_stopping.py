@@ -7,8 +7,10 @@ from typing import Any
 import pytest
 
 from robotwalk import assembly
+from robotwalk.cli.ending import run_to_end
 from robotwalk.errors import SafetyStop
-from robotwalk.loop import Tick
+from robotwalk.loop import Loop, Tick
+from robotwalk.supervisor import State
 
 from .test_imu import KINDS, with_imu
 
@@ -95,3 +97,26 @@ def test_an_error_at_any_point_of_stopping_is_told_and_stops_nothing_else(
         assert set(closed) >= {"legs"}
     told = [event.text for event in robot.events if event.kind in ("error", "torque", "log", "safety_stop")]
     assert any("injected" in text for text in told) or (point == "port.write" and told), robot.events
+
+
+def test_a_walk_asked_for_in_the_tick_of_a_stop_is_a_safety_stop_and_no_wrong_usage() -> None:
+    simulation = assembly.simulate("quadruped")
+    loop, robot = simulation.robot.loop, simulation.robot
+    assert isinstance(loop, Loop)
+
+    def clear(tick: Tick) -> None:
+        if tick.state is State.HELD:
+            loop.clear()
+
+    def run() -> None:
+        with robot:
+            robot.stand()
+            robot.observers.append(clear)
+            loop.hold()
+            robot.walk(vx=0.05, seconds=1.0)
+
+    code, sentence = run_to_end(robot, run)
+    assert code == 5
+    assert sentence is not None
+    assert "was held in place" in sentence
+    assert loop.state is State.STOP
