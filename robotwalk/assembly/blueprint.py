@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -107,6 +107,11 @@ class Blueprint:
             wires[row.bus].append(
                 Wired(joint.name, limb, slot, row.id, servo, calibration, joint.lower, joint.upper))
         return wires
+
+    @property
+    def blind(self) -> "Blueprint":
+        """The same robot as it walks when it neither feels the ground nor keeps itself level."""
+        return replace(self, model=replace(self.model, contact=None, orientation=None, levelling=None))
 
     def without(self, lost: Collection[str]) -> "Left":
         """Return what is left without some legs."""

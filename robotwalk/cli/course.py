@@ -28,6 +28,7 @@ class Trial(NamedTuple):
     seed: int
     speed: float  # m/s
     seconds: float
+    blind: bool
 
 
 class Result(NamedTuple):
@@ -39,12 +40,13 @@ class Result(NamedTuple):
     yaw_deg: float  # at the end, either way
     fell: bool
     stopped: bool  # by the safety stop
+    barred: bool  # by an edge or by what its feet could not step over
     realtime_factor: float
 
 
 def course(
     robot: str = "hexapod", /, *, terrain: Names = None, gait: Names = None, speed: float = 0.06,
-    seconds: float = 20.0, seeds: int = 10, jobs: int = 2,
+    seconds: float = 20.0, seeds: int = 10, jobs: int = 2, blind: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="", help="one JSON object on stdout")] = False,
 ) -> None:
     """Walk straight over courses, from several seeds each: share of the commanded distance, tilt, yaw, falls.
@@ -67,6 +69,8 @@ def course(
         How many walks over each course: with the seeds 0, 1, 2 and so on.
     jobs
         How many at a time, each in a process of its own.
+    blind
+        Walk each course also without contact, orientation and levelling, to see side by side what they buy.
     """
     if seeds < 1 or jobs < 1:
         raise UsageError("--seeds and --jobs should be at least 1")
@@ -79,7 +83,10 @@ def course(
         require_possible(_plan(speed, seconds, name), blueprint)
     for name in terrains:
         assembly.load_terrain(name)
-    trials = [Trial(robot, *which, speed, seconds) for which in product(gaits, terrains, range(seeds))]
+    ways = (False, True) if blind else (False,)
+    trials = [
+        Trial(robot, name, ground, seed, speed, seconds, without)
+        for name, ground, without, seed in product(gaits, terrains, ways, range(seeds))]
     with progress_line() as progress:
         results = []
         for result in _run(trials, jobs):
@@ -87,7 +94,7 @@ def course(
             trial = trials[len(results) - 1]
             progress(f"{result.gait} {trial.terrain} {trial.seed}", len(results) / len(trials))
     rows = [
-        {"terrain": trials[first].terrain, **_summary(results[first:first + seeds])}
+        {"terrain": trials[first].terrain, "blind": trials[first].blind, **_summary(results[first:first + seeds])}
         for first in range(0, len(trials), seeds)]
     if json:
         write_json({
@@ -107,7 +114,8 @@ def _run(trials: Sequence[Trial], jobs: int) -> Iterator[Result]:
 
 def walk_course(trial: Trial) -> Result:
     """Walk one course."""
-    simulation = assembly.simulate(trial.robot, seed=trial.seed, terrain=trial.terrain)
+    robot = assembly.load(trial.robot)
+    simulation = assembly.simulate(robot.blind if trial.blind else robot, seed=trial.seed, terrain=trial.terrain)
     outing = Outing(simulation, _plan(trial.speed, trial.seconds, trial.gait))
     stopped = False
     try:
@@ -117,7 +125,8 @@ def walk_course(trial: Trial) -> Result:
     report = outing.report()
     return Result(
         report["gait"], report["distance_m"] / abs(trial.speed * trial.seconds), report["max_tilt_deg"],
-        abs(report["heading_change_deg"]), report["fell"], stopped, report["realtime_factor"])
+        abs(report["heading_change_deg"]), report["fell"], stopped,
+        any(event["kind"] in ("edge", "obstacle") for event in report["events"]), report["realtime_factor"])
 
 
 def _plan(speed: float, seconds: float, gait: str | None) -> Plan:
@@ -136,18 +145,19 @@ def _summary(results: Sequence[Result]) -> dict[str, Any]:
         "yaw_deg": {"median": round(median(yaws), 1), "max": round(max(yaws), 1)},
         "falls": sum(result.fell for result in results),
         "safety_stops": sum(result.stopped for result in results),
+        "barred": sum(result.barred for result in results),
         "realtime_factor": round(median(result.realtime_factor for result in results), 1),
     }
 
 
 def _show(rows: Sequence[dict[str, Any]]) -> None:
     write_table(
-        "median and worst of each course",
-        ["terrain", "gait", "distance", "tilt deg", "yaw deg", "falls", "stops", "x real time"],
+        "median and worst; degrees",
+        ["terrain", "gait", "way", "tilt", "yaw", "fell", "sat", "barred"],
         [[
-            row["terrain"], row["gait"],
+            f"{row['terrain']}{' blind' if row['blind'] else ''}", row["gait"],
             f"{row['distance_share']['median']:.0%} {row['distance_share']['min']:.0%}",
             f"{row['max_tilt_deg']['median']} {row['max_tilt_deg']['max']}",
             f"{row['yaw_deg']['median']} {row['yaw_deg']['max']}",
-            str(row["falls"]), str(row["safety_stops"]), str(row["realtime_factor"]),
+            *(str(row[key]) for key in ("falls", "safety_stops", "barred")),
         ] for row in rows])

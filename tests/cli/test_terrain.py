@@ -77,9 +77,11 @@ def test_a_terrain_that_cannot_be_is_wrong_usage(
 
 def test_the_bench_of_courses_tells_median_and_worst(robotwalk: Run) -> None:
     told = robotwalk(
-        "bench", "course", "hexapod", "--terrain", "ramp_8", "--speed", "0.1", "--seconds", "2", "--seeds", "2",
-        "--json").json
-    (row,) = told["courses"]
+        "bench", "course", "hexapod", "--terrain", "ramp_8", "--speed", "0.15", "--seconds", "4", "--seeds", "2",
+        "--blind", "--json").json
+    row, blind = told["courses"]
+    assert (row["blind"], blind["blind"]) == (False, True)
+    assert blind["max_tilt_deg"] != row["max_tilt_deg"]
     assert told["schema"] == 1
     assert (row["terrain"], row["gait"], row["falls"], row["safety_stops"]) == ("ramp_8", "tripod", 0, 0)
     assert 0.8 < row["distance_share"]["min"] <= row["distance_share"]["median"] < 1.2
