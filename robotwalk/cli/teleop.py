@@ -5,7 +5,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
@@ -17,6 +17,7 @@ from robotwalk.cli.ending import run_to_end
 from robotwalk.cli.output import abandon_stdout, complain, say, write_json
 from robotwalk.cli.ports import place
 from robotwalk.command_check import check_command
+from robotwalk.doctor.notify import Notify
 from robotwalk.robot import Robot
 from robotwalk.teleop import messages
 from robotwalk.teleop.ask import Device
@@ -114,8 +115,14 @@ def teleop(
         assembly.load_terrain(terrain)
     inputs = _inputs(input, listen)
     with ExitStack() as stack:
+        systemd = stack.enter_context(closing(Notify()))
         devices: list[Device] = []
-        show = _screen(stack, blueprint.model.name, tiller, devices)
+        screen = _screen(stack, blueprint.model.name, tiller, devices)
+
+        def show(now: float, told: Told, refusal: str | None) -> None:
+            systemd.alive(now)
+            screen(now, told, refusal)
+
         for name in inputs:
             devices.append(_open(name, blueprint, tiller, keys, listen or _LISTEN, origin or []))
             stack.callback(devices[-1].close)
@@ -129,8 +136,10 @@ def teleop(
         session = assembly.connect(blueprint, ports, real=real, rate_hz=rate, log=log, torque=where.torque)
         assembly.add_black_box(session)
         _say_ready(devices, page, json)
+        systemd.ready()
         drive = Drive(
-            session.robot, Bridge(devices, check), show, f"see it at {page}" if page else "", seated=seated)
+            session.robot, Bridge(devices, check), show, f"see it at {page}" if page else "", seated=seated,
+            ending=systemd.stopping)
         code, sentence = run_to_end(session.robot, drive.run)
     if sentence is not None:
         complain(sentence)

@@ -19,13 +19,17 @@ Description=robotwalk: {robot}, torque off until a driver says stand
 Documentation=man:systemd.service(5)
 
 [Service]
-Type=exec
+Type=notify
 User={user}
 SupplementaryGroups={group}
 ExecStart={command}
 # It sits down first; SIGKILL to all of it only after that.
 KillMode=mixed
 TimeoutStopSec=40
+# What it ends with when it is told to end.
+SuccessExitStatus=143
+# The loop sits down by itself after 10 s without its driver.
+WatchdogSec=30
 Restart=on-failure
 RestartSec=5
 # A file that is wrong or an option that there is not gets no better by trying again.

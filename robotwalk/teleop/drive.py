@@ -30,14 +30,17 @@ class Drive:
 
     def __init__(
         self, robot: Robot, bridge: Bridge, show: Callable[[float, Told, str | None], None], note: str = "", *,
-        seated: bool = False,
+        seated: bool = False, ending: Callable[[], None] = lambda: None,
     ) -> None:
         """Prepare to drive; `show` is told what is known at a time (s), and what was refused.
+
+        `ending` is called before the robot sits down for the last time.
 
         `note` is told while there is nothing else to tell. A robot that begins `seated` has torque off until a driver
         wants it to stand.
         """
         self._seated = seated
+        self._ending = ending
         self._robot = robot
         self._bridge = bridge
         self._show = show
@@ -68,15 +71,22 @@ class Drive:
         robot = self._robot
         robot.observers.append(self._watch)
         with robot:
-            if not self._seated:
-                self._show(time.monotonic(), Told(note="it is found, armed and stands up"), None)
-                self._do(robot.stand)
-            while (wish := self._next()) is not Wish.QUIT:
-                if wish is Wish.SIT:
-                    self._do(robot.sit)
-                elif wish is Wish.STAND:
-                    self._do(robot.stand)
+            try:
+                self._serve()
+            finally:
+                self._ending()
             self._do(robot.sit)
+
+    def _serve(self) -> None:
+        """Stand up, and do what is wished until somebody wishes to quit."""
+        if not self._seated:
+            self._show(time.monotonic(), Told(note="it is found, armed and stands up"), None)
+            self._do(self._robot.stand)
+        while (wish := self._next()) is not Wish.QUIT:
+            if wish is Wish.SIT:
+                self._do(self._robot.sit)
+            elif wish is Wish.STAND:
+                self._do(self._robot.stand)
 
     def _do(self, motion: Callable[[], object]) -> None:
         """Have the robot do something. If a STOP holds it meanwhile it sits once that is cleared.

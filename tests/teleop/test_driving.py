@@ -2,10 +2,13 @@
 
 import json
 import os
+import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -84,16 +87,28 @@ def test_a_person_in_tmux(tmp_path: Path, truth: Truth) -> None:
 
 def test_kitty_and_programs_and_a_hang_up(truth: Truth) -> None:
     kitty = Kitty()
+    systemd = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    systemd.bind(str(truth.path.with_name("notify")))
+    watched = {"NOTIFY_SOCKET": systemd.getsockname(), "WATCHDOG_USEC": "1000000"}
     words = [
         "--input", "keyboard", "--listen", "127.0.0.1:0", "--keys", "wasd", "--rate", "50", "--truth", str(truth.path)]
     teleop = subprocess.Popen(
         [*COMMAND, "teleop", "hexapod", *words], stdin=kitty.slave, stdout=subprocess.DEVNULL, stderr=kitty.slave,
-        preexec_fn=lambda: os.login_tty(kitty.slave))
+        preexec_fn=lambda: os.login_tty(kitty.slave), env={**os.environ, **watched})
+    heard: list[bytes] = []
+
+    def hear() -> None:
+        while message := systemd.recv(100):
+            heard.append(message)
+
+    listener = threading.Thread(target=hear, daemon=True)
+    listener.start()
     try:
         await_that(lambda: b"ws://127.0.0.1:" in kitty.seen, "the address is on the screen")
         url = "ws://127.0.0.1:" + kitty.seen.split(b"ws://127.0.0.1:")[1].split(b" ")[0].decode()
         truth.await_standing()
         await_that(lambda: b" STAND " in kitty.seen, "it stands")
+        assert b"READY=1" in heard
 
         kitty.key(ord("w"))
         truth.await_going()
@@ -130,8 +145,13 @@ def test_kitty_and_programs_and_a_hang_up(truth: Truth) -> None:
                 truth.await_standing()
                 watcher.send('{"type": "drive", "vy": 0.5, "gait": "gallop"}')
                 assert "hexapod has no gait 'gallop'" in next_of(watcher, "error")["error"]
+        assert b"STOPPING=1" not in heard
         kitty.hang_up()
         assert teleop.wait(UNHURRIED) == 129
+        systemd.shutdown(socket.SHUT_RD)
+        listener.join()
+        told = "".join({b"READY=1": "R", b"WATCHDOG=1": "W", b"STOPPING=1": "S"}[message] for message in heard)
+        assert re.fullmatch("W?RWWWWWWW+SW*", told), told
         truth.assert_sits()
     except Exception as error:
         error.add_note(kitty.seen[-3000:].decode(errors="replace"))
