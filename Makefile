@@ -2,13 +2,14 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: help walk test fuzz soak check clean
+.PHONY: help walk test fuzz soak hour check clean
 
 help:
 	@echo "make walk    install, walk the hexapod in simulation, leave walk.gif"
 	@echo "make test    install and run all tests"
 	@echo "make fuzz    two million garbled inputs to all that takes bytes from a wire; under half an hour"
 	@echo "make soak    200 random command sequences a robot, on two processes; about half an hour"
+	@echo "make hour    an hour of walking in lock-step, faults coming and going; about ten minutes"
 	@echo "make check   lint and type check"
 	@echo "make clean   remove .venv and what the tools leave behind"
 
@@ -23,6 +24,9 @@ fuzz: .venv/dev
 
 soak: .venv/dev
 	$(BIN)/python -m tests.walk.soak --jobs 2
+
+hour: .venv/dev
+	$(BIN)/python -m tests.walk.hour
 
 check: .venv/dev
 	$(BIN)/ruff check .

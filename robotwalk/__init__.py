@@ -27,6 +27,8 @@ def open(
 ) -> "Robot":
     """Open a robot, by default in simulation. Use it in a `with` block.
 
+    When it stops for its safety, the last minute is saved (`robot.black_box`; None there switches that off).
+
     Args:
         robot: a bundled name, or the path of a YAML file.
         real: open the serial ports that its file names; it will move.
@@ -48,6 +50,10 @@ def open(
         raise UsageError("faults befall a simulation; there is none behind a port")
     if (real or ports) and terrain != "flat":
         raise UsageError("a terrain is that of a simulation; there is none behind a port")
+    session: assembly.Session
     if real or ports:
-        return assembly.connect(robot, ports or {}, real=real, rate_hz=rate_hz).robot
-    return assembly.simulate(robot, rate_hz=rate_hz, seed=seed, faults=faults, terrain=terrain).robot
+        session = assembly.connect(robot, ports or {}, real=real, rate_hz=rate_hz)
+    else:
+        session = assembly.simulate(robot, rate_hz=rate_hz, seed=seed, faults=faults, terrain=terrain)
+    assembly.add_black_box(session)
+    return session.robot

@@ -5,6 +5,7 @@ It lies in the driver's process, which gets every tick, and outlives the loop's.
 """
 
 import os
+import pickle
 from collections import deque
 from collections.abc import Mapping, Sequence
 from datetime import datetime
@@ -26,7 +27,7 @@ def folder() -> Path:
 
 
 class BlackBox:
-    """Keeps the last rows of one run; nothing grows beyond them."""
+    """Keeps the last rows of one run, packed; nothing grows beyond them."""
 
     def __init__(
         self, where: Path, about: Mapping[str, str], files: Mapping[str, str], joints: tuple[str, ...], rate_hz: int
@@ -36,14 +37,15 @@ class BlackBox:
         self._about = dict(about)
         self._files = dict(files)
         self._joints = joints
-        self._rows: deque[Row] = deque(maxlen=SECONDS * rate_hz)
+        self._rows: deque[bytes] = deque(maxlen=SECONDS * rate_hz)
 
     def add(self, tick: Tick, command: Command) -> None:
         """Take a tick, and what its driver wanted."""
         seen = tick.estimate
-        self._rows.append(Row(
+        # As objects a row would take three times the memory, and have the garbage collector look at a hundred of them.
+        self._rows.append(pickle.dumps(Row(
             tick.time, tick.state, command, tick.wanted.twist, tick.goals, tick.joints, seen.pose, tick.stability,
-            imu=seen.imu, switches=seen.switches))
+            imu=seen.imu, switches=seen.switches), pickle.HIGHEST_PROTOCOL))
 
     def save(self, reason: str, events: Sequence[Event]) -> str:
         """Write all to a new file; return where it is, or why not, in words. Never raises."""
@@ -58,9 +60,11 @@ class BlackBox:
         robot = self._about.get("robot", "robot")
         path = self._where / f"{robot}-{datetime.now():%Y%m%d-%H%M%S-%f}.mcap"
         recorder = Recorder(path, self._joints, {**self._about, "black_box": reason}, files=self._files)
-        for row in self._rows:
+        last = 0
+        for packed in self._rows:
+            row: Row = pickle.loads(packed)
             recorder.show(row)
-        last = self._rows[-1].time if self._rows else 0
+            last = row.time
         for event in events:
             recorder.event(last, event)
         failure = recorder.close()

@@ -12,7 +12,7 @@ from robotwalk.recorder import Event, Recorder
 from robotwalk.sensor_watch import SensorWatch
 from robotwalk.types import Command
 
-_STOPS = ("safety_stop", "stop", "timeout")  # events after which the black box is saved
+_STOPS = ("safety_stop", "stop", "timeout", "freeze")  # events after which the black box is saved
 _BARRED: Mapping[Kind, str] = {
     "edge": "a foot found no ground ahead: stopped",
     "obstacle": "feet cannot step over what holds them back: stopped"}

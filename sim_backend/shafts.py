@@ -38,6 +38,10 @@ class Shafts:
         model.dof_invweight0[dofs] = 1.0 / (1.0 / model.dof_invweight0[dofs] + armature)
         model.dof_solimp[dofs, :2] = 0.999, 0.9999
         model.dof_solref[dofs, 0] = 2.0 * model.opt.timestep
+        # Stops are metal: with the default a body's weight presses a leg half a degree into them.
+        joints = model.dof_jntid[dofs]
+        model.jnt_solimp[joints, :2] = 0.999, 0.9999
+        model.jnt_solref[joints, 0] = 2.0 * model.opt.timestep
         self._gears = GearTrain([servo.motor for servo in servos.models], model.opt.timestep, self._shaft_angles())
         self._set_joints()
         mujoco.mj_forward(model, data)

@@ -107,12 +107,11 @@ class World:
     def jam(self, joint: int) -> Callable[[], None]:
         """Jam a joint, by its number, where it is; return what sets it free: its stops close on it."""
         at = 1 + joint  # behind the free one
-        ranges, stiffness = self.model.jnt_range[at].copy(), self.model.jnt_solref[at].copy()
+        stops = self.model.jnt_range[at].copy()
         self.model.jnt_range[at] = self.data.qpos[7 + joint]
-        self.model.jnt_solref[at, 0] = 2.0 * self.model.opt.timestep
 
         def release() -> None:
-            self.model.jnt_range[at], self.model.jnt_solref[at] = ranges, stiffness
+            self.model.jnt_range[at] = stops
         return release
 
     def felt(self) -> Felt:

@@ -41,7 +41,7 @@ def test_segments_are_as_far_apart_as_their_points(a: Vec3, b: Vec3, c: Vec3, d:
     count = 40
     sampled = min(math.dist(p, q) for p, q in itertools.product(along(a, b, count), along(c, d, count)))
     spacing = (math.dist(a, b) + math.dist(c, d)) / count
-    assert sampled - spacing <= between_segments(a, b, c, d) <= sampled + 1e-9
+    assert sampled - spacing <= between_segments(a, b, c, d) <= sampled + 1e-6  # shorter than that is a point
 
 
 @pytest.mark.parametrize(("c", "d", "distance"), [

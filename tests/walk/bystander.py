@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 from robotwalk import assembly
 
+from .joint_watch import JointWatch
+
 _EVERY = 4  # physics steps
-_BEYOND = math.radians(1.0)  # that a joint may give past a limit, in contact and under load
 _STILL = 0.2  # rad/s of every joint; limp ones sink a little
 _REST = 1_000_000_000  # ns
 _DOWN = 0.01  # m above its seated height at which a body is down
@@ -27,7 +28,7 @@ class Bystander:
 
     def __init__(self, simulation: assembly.Simulation) -> None:
         self.seen: list[Seen] = []
-        self.beyond: dict[str, float] = {}  # deg, by joints that were seen beyond their limits
+        self.joints = JointWatch(simulation)
         self._world, self._model = simulation.world, simulation.robot.model
         self._steps, self._last = 0, simulation.world.truth()
         simulation.world.observers.append(self._look)
@@ -40,10 +41,6 @@ class Bystander:
         self._last = truth
         dt = truth.time - last.time
         speeds = [abs(b - a) / dt for a, b in zip(last.joints, truth.joints, strict=True)]
-        for joint, angle in zip(self._model.joints, truth.joints, strict=True):
-            beyond = max(joint.lower - angle, angle - joint.upper)
-            if beyond > _BEYOND:
-                self.beyond[joint.name] = max(math.degrees(beyond), self.beyond.get(joint.name, 0.0))
         fastest = max(range(len(speeds)), key=speeds.__getitem__)
         tilt = max(abs(truth.base.roll), abs(truth.base.pitch))
         self.seen.append(Seen(truth.time, truth.base.z - truth.ground, tilt, speeds[fastest], fastest))

@@ -77,3 +77,4 @@ def test_a_robot_that_is_pushed_over_goes_soft_and_limp_and_stands_again_once_it
         walker.stand()
         assert simulation.world.truth().base.z > 0.8 * walker.model.heights.stand
     assert bystander.sees_it_down()
+    assert bystander.joints.past_stops == {}, "its own weight turns joints, to their stops and no farther"

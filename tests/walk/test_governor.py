@@ -44,7 +44,7 @@ def test_it_walks_slower_and_lower_then_sits_before_any_servo_lets_go(
     assert next(tick.time * 1e-9 for tick in ticks if tick.state is State.FAULT) < 9.0
     assert [event.kind for event in simulation.robot.events].count("governor") == 1
     assert bystander.largest_tilt() < 6.0
-    assert bystander.beyond == {}
+    assert bystander.joints.beyond == bystander.joints.past_stops == {}
     assert bystander.fastest_drop() < 0.12
     assert bystander.sees_it_down()
     assert bystander.safe_after(8.0) < 5.0

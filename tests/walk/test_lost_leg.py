@@ -43,6 +43,7 @@ def test_a_hexapod_walks_on_with_five_legs(fault: str, joint: str, tilt_deg: flo
     assert bystander.largest_tilt() < tilt_deg
     assert bystander.fastest_drop() < 0.25
     assert bystander.sees_it_down()
+    assert bystander.joints.beyond == bystander.joints.past_stops == {}
 
 
 def test_a_healthy_joint_that_lags_is_not_taken_for_stuck() -> None:

@@ -53,6 +53,7 @@ def test_a_servo_that_lets_go_is_brought_back_and_the_walk_goes_on(
     assert bystander.largest_tilt() < tilt_deg
     assert bystander.fastest_drop() < 0.2
     assert bystander.sees_it_down()
+    assert bystander.joints.beyond == bystander.joints.past_stops == {}
 
 
 def test_a_servo_that_stays_overloaded_is_given_up_after_so_many_tries() -> None:
@@ -66,7 +67,7 @@ def test_a_servo_that_stays_overloaded_is_given_up_after_so_many_tries() -> None
         with pytest.raises(SafetyStop, match="the servo of lm_femur reports overload, after 1 try"):
             walker.walk(vx=0.10, seconds=20.0)
     assert bystander.largest_tilt() < 6.0
-    assert bystander.beyond == {}
+    assert bystander.joints.beyond == bystander.joints.past_stops == {}
     assert bystander.sees_it_down()
 
 
@@ -80,6 +81,6 @@ def test_a_quadruped_goes_down_for_good_when_a_servo_is_dead() -> None:
     # Of the one that nobody hears nothing is claimed, and of the others what is so.
     assert walker.torque_doubt == "torque may still be on at rr_thigh: cut the power"
     assert bystander.largest_tilt() < 10.0
-    assert bystander.beyond == {}
+    assert bystander.joints.beyond == bystander.joints.past_stops == {}
     assert bystander.sees_it_down()
     assert bystander.safe_after(AT) < 6.0

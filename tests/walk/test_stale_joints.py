@@ -34,7 +34,7 @@ def test_a_wire_cut_for_a_moment_holds_the_robot_and_it_goes_on_without_a_jump()
     usual = max(look.speed for look in bystander.seen if 4.0 < look.t < AT)
     assert max(look.speed for look in bystander.after(AT + 0.4) if look.t < AT + 0.5) < 0.7 * usual
     assert bystander.largest_tilt() < 6.0
-    assert bystander.beyond == {}
+    assert bystander.joints.beyond == bystander.joints.past_stops == {}
     assert walked > 0.25
     assert bystander.sees_it_down()
 
@@ -59,7 +59,7 @@ def test_joints_that_stay_silent_make_the_robot_sit_at_the_times_of_its_file(tmp
     held = [tick.goals[slot] for tick in ticks if AT + 0.25 < tick.time * 1e-9 < AT + 0.3]
     assert max(held) - min(held) < 1e-3
     assert bystander.sees_it_down()
-    assert bystander.beyond == {}
+    assert bystander.joints.beyond == bystander.joints.past_stops == {}
     assert bystander.safe_after(AT) < 6.0
 
 

@@ -10,17 +10,10 @@ from robotwalk.loop import Tick
 from robotwalk.support import Masses
 from robotwalk.types import Vec3
 
+from ..joint_watch import JointWatch, Worst
+
 _FALLEN_TILT = math.radians(45.0)
 _OFF = 0.05  # s without contact that end a stand, and s of contact that make one
-_FIRST_JOINT = 7  # of MuJoCo's angles; before it are the body's place and attitude
-
-
-class Worst(NamedTuple):
-    """The largest of a series, and when and where it was."""
-
-    value: float = -math.inf
-    time: float = 0.0
-    where: str = ""
 
 
 class Slip(NamedTuple):
@@ -94,10 +87,7 @@ class Judge:
         model, world = simulation.blueprint.model, simulation.world.world
         self._simulation, self._model = simulation, model
         self._data = world.data
-        self._names = model.joint_names
-        self._lower = np.array([joint.lower for joint in model.joints])
-        self._upper = np.array([joint.upper for joint in model.joints])
-        self._joints = slice(_FIRST_JOINT, _FIRST_JOINT + len(model.joints))
+        self._joints = JointWatch(simulation)
         self._geoms = [world.model.geom(f"{leg.name}_foot").id for leg in model.legs]
         self._feet = [FootWatch(leg.name, model.foot_radius) for leg in model.legs]
         self._masses = Masses(model)
@@ -105,15 +95,20 @@ class Judge:
         self._dt = 1.0 / simulation.robot.loop.rate_hz
         self.began = 0.0
         self.driving = False
-        self.joint = self.speed = self.tilt = Worst()
+        self.speed = self.tilt = Worst()
         self.fell: Worst | None = None
-        simulation.world.observers.append(self._look)
         simulation.robot.observers.append(self._watch)
 
     @property
     def now(self) -> float:
         """Since the sequence began, s."""
         return self._simulation.clock.now() * 1e-9 - self.began
+
+    @property
+    def joint(self) -> Worst:
+        """The farthest that any joint was beyond its limits, rad, at any time."""
+        worst = self._joints.worst
+        return worst._replace(time=worst.time - self.began)
 
     @property
     def slips(self) -> list[Slip]:
@@ -129,14 +124,6 @@ class Judge:
         for foot in self._feet:
             foot.end(self.now)
         self.driving = False
-
-    def _look(self) -> None:
-        """After every step of the physics."""
-        angles = self._data.qpos[self._joints]
-        beyond = np.maximum(angles - self._upper, self._lower - angles)
-        index = int(beyond.argmax())
-        if beyond[index] > self.joint.value:
-            self.joint = Worst(float(beyond[index]), self.now, self._names[index])
 
     def _watch(self, tick: Tick) -> None:
         self._targets_of(tick)

@@ -6,8 +6,9 @@ from typing import NamedTuple
 from robotwalk import assembly
 from robotwalk.errors import SafetyStop
 
+from ..joint_watch import Worst
 from .bounds import fastest_target
-from .judge import Judge, Slip, Worst
+from .judge import Judge, Slip
 from .sequences import SECONDS, Driver, Episode, sequence
 
 

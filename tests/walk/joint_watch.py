@@ -1,0 +1,69 @@
+"""Looks at every joint's true angle after every step of the physics.
+
+A joint whose servo is limp goes where it is pressed to, which is its mechanical stop at the farthest; it is no fault of
+the controller's while it comes back from there. Every other joint is to stay within the limits of the robot's file.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from robotwalk import assembly
+
+STOP = math.radians(5.0)  # the simulated robot's mechanical stops lie so far behind its limits
+_GIVE = math.radians(0.25)  # of a stop that is struck
+_FIRST = 7  # of MuJoCo's angles; before it are the body's place and attitude
+
+
+class Worst(NamedTuple):
+    """The largest of a series, and when and where it was."""
+
+    value: float = -math.inf
+    time: float = 0.0
+    where: str = ""
+
+
+class JointWatch:
+    """Keeps the farthest that any joint of a simulated robot was beyond its limits.
+
+    Attributes:
+        worst: rad, of all joints; time in s of the simulation.
+        beyond: deg, by the joints that held or moved by themselves and yet were beyond their limits.
+        past_stops: deg beyond the limits, by joints that were pressed past their stops.
+    """
+
+    def __init__(self, simulation: assembly.Simulation) -> None:
+        """Look from now on."""
+        model = simulation.blueprint.model
+        self.worst = Worst()
+        self.beyond: dict[str, float] = {}
+        self.past_stops: dict[str, float] = {}
+        self._clock, self._data, self._servos = simulation.clock, simulation.world.world.data, simulation.world.servos
+        self._names = model.joint_names
+        self._lower = np.array([joint.lower for joint in model.joints])
+        self._upper = np.array([joint.upper for joint in model.joints])
+        self._joints = slice(_FIRST, _FIRST + len(model.joints))
+        self._excused: set[int] = set()  # went there limp
+        simulation.world.observers.append(self._look)
+
+    def _look(self) -> None:
+        angles = self._data.qpos[self._joints]
+        beyond = np.maximum(angles - self._upper, self._lower - angles)
+        index = int(beyond.argmax())
+        if beyond[index] > self.worst.value:
+            self.worst = Worst(float(beyond[index]), self._clock.now() * 1e-9, self._names[index])
+        if beyond[index] <= 0.0:
+            self._excused.clear()
+            return
+        outside = set(np.flatnonzero(beyond > 0.0).tolist())
+        self._excused = {
+            slot for slot in outside if slot in self._excused or not self._servos[slot].table["torque_enable"]}
+        for slot in outside - self._excused:
+            self._keep(self.beyond, slot, beyond[slot])
+        for slot in np.flatnonzero(beyond > STOP + _GIVE).tolist():
+            self._keep(self.past_stops, slot, beyond[slot])
+
+    def _keep(self, worst: dict[str, float], slot: int, angle: float) -> None:
+        name = self._names[slot]
+        worst[name] = max(math.degrees(angle), worst.get(name, 0.0))
