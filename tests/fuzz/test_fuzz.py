@@ -15,5 +15,6 @@ TRIALS = dict([*hosts.trials(), *fakes.trials(), *sensors.trials()])
 @pytest.mark.parametrize("name", TRIALS)
 def test_garbled_bytes_do_no_harm(name: str) -> None:
     trial: Callable[[Random], bytes] = TRIALS[name]
-    for seed in range(_INPUTS):
-        trial(Random(f"{name} {seed}"))
+    # Each trial asserts what is to be so: see hosts, fakes, sensors.
+    streams = {trial(Random(f"{name} {seed}")) for seed in range(_INPUTS)}
+    assert len(streams) > 0.9 * _INPUTS, "it was garbled in many ways"

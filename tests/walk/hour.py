@@ -53,7 +53,7 @@ class Ended(NamedTuple):
     fell: int
     stopped: str | None
     joint: Worst  # rad beyond its limits, the farthest; below 0 within
-    beyond: dict[str, float]  # deg, joints that were beyond them though their servos held or moved them
+    beyond: dict[str, tuple[float, float]]  # deg and s, by joints whose servos held or moved them
     distance: float  # m, the body's way over the ground
     wall: float  # s
 
@@ -156,7 +156,7 @@ class Hour:
         self._told = len(self._simulation.robot.events)
         sys.stderr.write(
             f"{last.t:7.1f} s: {1e3 * last.height:.2f} mm, {last.resident / 1e6:.2f} MB, {last.objects} objects, "
-            f"{self._falls} falls, {self._way:.1f} m\n")
+            f"{self._falls} falls, {self._way:.1f} m; {self._watch.beyond}\n")
 
     def _look(self) -> None:
         base = self._simulation.world.truth().base
@@ -176,7 +176,7 @@ def complaints(ended: Ended) -> list[str]:
     if ended.fell:
         found.append(f"fell {ended.fell} times")
     if ended.beyond:
-        found.append(f"joints beyond their limits, deg: {ended.beyond}")
+        found.append(f"joints beyond their limits, deg and s: {ended.beyond}")
     warm = [minute for minute in ended.minutes if minute.t >= WARM]
     if warm and max(minute.resident for minute in warm) - warm[0].resident > MOST_GROWTH:
         found.append(f"memory grew by more than {MOST_GROWTH / 1e6:.0f} MB")

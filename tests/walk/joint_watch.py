@@ -29,16 +29,16 @@ class JointWatch:
 
     Attributes:
         worst: rad, of all joints; time in s of the simulation.
-        beyond: deg, by the joints that held or moved by themselves and yet were beyond their limits.
-        past_stops: deg beyond the limits, by joints that were pressed past their stops.
+        beyond: deg and s of the worst, by the joints that held or moved by themselves and yet were beyond their limits.
+        past_stops: deg beyond the limits and s, by joints that were pressed past their stops.
     """
 
     def __init__(self, simulation: assembly.Simulation) -> None:
         """Look from now on."""
         model = simulation.blueprint.model
         self.worst = Worst()
-        self.beyond: dict[str, float] = {}
-        self.past_stops: dict[str, float] = {}
+        self.beyond: dict[str, tuple[float, float]] = {}
+        self.past_stops: dict[str, tuple[float, float]] = {}
         self._clock, self._data, self._servos = simulation.clock, simulation.world.world.data, simulation.world.servos
         self._names = model.joint_names
         self._lower = np.array([joint.lower for joint in model.joints])
@@ -64,6 +64,6 @@ class JointWatch:
         for slot in np.flatnonzero(beyond > STOP + _GIVE).tolist():
             self._keep(self.past_stops, slot, beyond[slot])
 
-    def _keep(self, worst: dict[str, float], slot: int, angle: float) -> None:
-        name = self._names[slot]
-        worst[name] = max(math.degrees(angle), worst.get(name, 0.0))
+    def _keep(self, worst: dict[str, tuple[float, float]], slot: int, angle: float) -> None:
+        here = math.degrees(angle), self._clock.now() * 1e-9
+        worst[self._names[slot]] = max(here, worst.get(self._names[slot], here))

@@ -82,7 +82,6 @@ def test_an_hour_takes_no_more_memory_than_a_minute(tmp_path: Path) -> None:
     with assembly.simulate("hexapod").robot as robot:
         robot.observers.append(ticks.append)
         robot.stand()
-        robot.frozen = True  # it need not sit down
     box = BlackBox(tmp_path, {}, {}, robot.model.joint_names, 20)
     tracemalloc.start()
     try:

@@ -101,13 +101,32 @@ def test_no_single_changed_byte_is_believed(framing, frame, data) -> None:
     assert bytes(spoiled) not in FrameReceiver(framing).take(bytes(spoiled) + frame)
 
 
-@given(st.binary(max_size=400))
-def test_any_bytes_decode_or_not_without_an_error(data: bytes) -> None:
-    decode = witmotion.Decoder()
-    for packet in FrameReceiver(witmotion.FRAMING).take(data + b"\x55\x53"):
-        decode(packet)
-    for frame in FrameReceiver(uart_rvc.FRAMING).take(data):
-        uart_rvc.decode(frame)
+def summed(head: bytes, body: bytes, since: int) -> bytes:
+    return head + body + bytes([sum((head + body)[since:]) % 256])
+
+
+packets = st.builds(summed, st.sampled_from([b"\x55\x51", b"\x55\x52", b"\x55\x53"]), st.binary(min_size=8, max_size=8),
+                    st.just(0))
+rvc_frames = st.builds(summed, st.just(b"\xaa\xaa"), st.binary(min_size=16, max_size=16), st.just(2))
+
+
+@given(st.lists(packets | rvc_frames | st.binary(max_size=20), max_size=12))
+def test_whatever_comes_a_report_is_one_that_the_sensor_could_give_and_the_next_one_is_heard(pieces) -> None:
+    noise = b"".join(pieces)
+    lines = [
+        (witmotion.FRAMING, witmotion.Decoder, WIT, 16.0 * 9.80665),
+        (uart_rvc.FRAMING, lambda: uart_rvc.decode, RVC, 32.8 * 9.80665)]
+    for framing, decoder, good, most in lines:
+        decode, size = decoder(), framing.size
+        # A frame that noise began swallows the first one behind it at the most.
+        taken = FrameReceiver(framing).take(noise + 2 * good)
+        reports = [report for frame in taken if (report := decode(frame)) is not None]
+        alone = decoder()
+        assert reports[-1] == [alone(good[at:at + size]) for at in range(0, len(good), size)][-1]
+        for report in reports:
+            assert math.hypot(*report.attitude) == pytest.approx(1.0)
+            assert math.hypot(*(report.acceleration or (0.0,))) <= math.sqrt(3.0) * most
+            assert max(map(abs, report.angular_velocity or (0.0,))) <= math.radians(2000.0)
 
 
 def test_the_lines_of_a_silent_sensor_cost_no_memory() -> None:
