@@ -82,7 +82,7 @@ class Safety:
         late = self._overruns.step(missed)
         supervisor, governed, seated = self.supervisor, self._governor.step(), wanted.seated
         up = supervisor.state in (State.STAND, State.WALK)
-        fell = self._falls.step(imu, joints.effort, joints.velocity, wanted.torques, up=up)
+        fell = self._falls.step(imu, joints, wanted, up=up)
         if fell is not None and supervisor.state in (State.STOP, State.READY, State.HELD, State.FAULT):
             fell = None
         stale = self._stale.step(joints.age if not self._out else [
@@ -162,6 +162,7 @@ class Safety:
         self._out = frozenset(slot for slot, limb in enumerate(self._limbs) if limb in limbs)
         self._dead = self._dead.union(lost)
         self._recovery.let_go()
+        self._falls.spare(self._out)
         return self._dead
 
     def _ease(self, command: Command) -> Command:

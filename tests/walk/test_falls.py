@@ -24,13 +24,6 @@ def with_imu(robot: str, folder: Path) -> str:
     return str(path)
 
 
-def feeling_falls(robot: str, folder: Path) -> str:
-    """Write a robot's file, falls told by what its legs bear, and return its path."""
-    path = folder / f"{robot}_falls.yaml"
-    path.write_text(assembly.load(robot).document.text + "\nsafety: {fall: {least_share: 0.25}}\n")
-    return str(path)
-
-
 def set_upright(simulation: assembly.Simulation) -> None:
     """Put the robot back onto its belly, as a person would."""
     world = simulation.world.world
@@ -39,16 +32,15 @@ def set_upright(simulation: assembly.Simulation) -> None:
     simulation.clock.wait((), simulation.clock.now() + NS)
 
 
-@pytest.mark.parametrize(("robot", "imu", "force", "told", "within"), [
-    ("quadruped", True, 60.0, r"it fell: it lies (4[5-9]|[5-9]\d|1\d\d) deg off level", 1.0),
-    ("hexapod", False, 80.0, r"it fell: its legs bear \d+ % of what they should", 4.0),
+@pytest.mark.parametrize(("robot", "imu", "force", "way", "told", "within"), [
+    ("quadruped", True, 60.0, 90.0, r"it fell: it lies (4[5-9]|[5-9]\d|1\d\d) deg off level", 1.0),
+    ("hexapod", False, 80.0, 0.0, r"it fell, or was lifted: its legs push it up with \d+ % of its weight", 4.0),
 ])
 def test_a_robot_that_is_pushed_over_goes_soft_and_limp_and_stands_again_once_it_is_set_upright(
-    robot: str, imu: bool, force: float, told: str, within: float, tmp_path: Path
+    robot: str, imu: bool, force: float, way: float, told: str, within: float, tmp_path: Path
 ) -> None:
-    push = {"at": AT, "for": 0.3, "fault": "push", "force_n": force, "direction_deg": 90}
-    path = with_imu(robot, tmp_path) if imu else feeling_falls(robot, tmp_path)
-    simulation = assembly.simulate(path, faults=[push])
+    push = {"at": AT, "for": 0.3, "fault": "push", "force_n": force, "direction_deg": way}
+    simulation = assembly.simulate(with_imu(robot, tmp_path) if imu else robot, faults=[push])
     bystander = Bystander(simulation)
     ticks: list[Tick] = []
     soft: list[int] = []
@@ -78,3 +70,29 @@ def test_a_robot_that_is_pushed_over_goes_soft_and_limp_and_stands_again_once_it
         assert simulation.world.truth().base.z > 0.8 * walker.model.heights.stand
     assert bystander.sees_it_down()
     assert bystander.joints.past_stops == {}, "its own weight turns joints, to their stops and no farther"
+
+
+def test_a_robot_that_is_lifted_in_its_walk_stops_kicking_and_stands_again_once_it_is_set_down() -> None:
+    simulation = assembly.simulate("pentapod")
+    bystander = Bystander(simulation)
+    data, lifted = simulation.world.world.data, 0.0
+
+    def hold() -> None:
+        nonlocal lifted
+        lifted = lifted or bystander.seen[-1].t
+        data.qpos[2:7] = [0.3, 1.0, 0.0, 0.0, 0.0]
+        data.qvel[:6] = np.zeros(6)
+
+    with simulation.robot as walker:
+        walker.stand()
+        walker.walk(vx=0.1, seconds=1.0)
+        simulation.world.observers.append(hold)
+        with pytest.raises(SafetyStop, match=r"was lifted: its legs push it up with [0-2]?\d % of its weight"):
+            walker.walk(vx=0.1, seconds=4.0)
+        simulation.clock.wait((), simulation.clock.now() + NS // 2)
+        assert max(look.speed for look in bystander.after(bystander.seen[-1].t - 0.1)) < 1.0, "limp legs hang"
+        assert bystander.seen[-1].t - lifted < 4.5
+        simulation.world.observers.remove(hold)
+        set_upright(simulation)
+        walker.stand()
+        assert simulation.world.truth().base.z > 0.8 * walker.model.heights.stand
