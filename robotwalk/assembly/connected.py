@@ -33,8 +33,8 @@ from robotwalk.ports import BytePort
 from robotwalk.process.driver import RemoteLoop, RemoteSensor
 from robotwalk.process.guardian import Guardian
 from robotwalk.process.log_feed import emptier
-from robotwalk.process.mailbox import packed, unpacked
-from robotwalk.process.messages import Brief, Report
+from robotwalk.process.mailbox import packed
+from robotwalk.process.messages import REPORT, Brief
 from robotwalk.process.rescue import bring_down
 from robotwalk.process.shared import Mailbox, create
 from robotwalk.process.stop_input import StopWatch
@@ -154,8 +154,7 @@ def _rescue(
     seat = resting_angles(blueprint.model, blueprint.model.heights.sit)
     try:
         message = mailbox.telemetry.newest()
-        report: Report | None = unpacked(message.data) if message is not None else None
-        believed = report.tick.goals if report is not None else seat
+        believed = REPORT.unpack(message.data).tick.goals if message is not None else seat
         return bring_down(bus, clock, gate_of(blueprint), believed, seat, watch)
     except Exception:
         return bus.disarm()

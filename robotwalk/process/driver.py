@@ -14,7 +14,7 @@ from robotwalk.errors import RobotwalkError, SafetyStop
 from robotwalk.loop import Tick
 from robotwalk.process.guardian import Guardian
 from robotwalk.process.mailbox import packed, unpacked
-from robotwalk.process.messages import Answer, Call, Orders, Report, Status
+from robotwalk.process.messages import REPORT, Answer, Call, Orders, Status
 from robotwalk.process.shared import Mailbox, Stop
 from robotwalk.supervisor import Request, State
 from robotwalk.timing import Histogram
@@ -130,7 +130,7 @@ class RemoteLoop:
             self._require()
             self._doze()
         self._seen = message.number
-        report: Report = unpacked(message.data)
+        report = REPORT.unpack(message.data)
         self.state, self.fault, self.low, self.missed = report.tick.state, report.fault, report.low, report.missed
         return report.tick
 

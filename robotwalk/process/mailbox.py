@@ -8,8 +8,8 @@ A slot's bytes: sequence number, length, CRC-32, message, and the sequence numbe
 copies all of it first; if the numbers differ or the CRC is wrong, somebody was writing, and it reads again. The numbers
 alone would not do: a writer may overtake a reader in between, and ARM does not keep the order of writes.
 
-What is in it is pickled, which costs 45 us for a tick of 18 joints. The file belongs to one user and nobody else can
-open it; who could write into it could as well start a program of his own.
+Ticks are packed by `robotwalk.process.plain`, 10 us for 18 joints; what is rare is pickled. The file belongs
+to one user and nobody else can open it; who could write into it could as well start a program of his own.
 """
 
 import pickle

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from robotwalk.loop import Tick
+from robotwalk.process.plain import Codec
 from robotwalk.supervisor import State
 from robotwalk.types import BusStatistics, Command, SensorStatistics, ServoCondition
 
@@ -50,10 +51,13 @@ class Answer(NamedTuple):
 class Report(NamedTuple):
     """A tick, and what else may have changed by then."""
 
-    tick: Tick
+    tick: Tick  # without the statics of the legs: the most of it, and no driver's business
     fault: str | None
     low: bool
     missed: int
+
+
+REPORT = Codec(Report)
 
 
 class Status(NamedTuple):

@@ -17,7 +17,7 @@ from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Loop, Tick
 from robotwalk.ports import ServoBus
 from robotwalk.process.mailbox import packed, unpacked
-from robotwalk.process.messages import Answer, Call, Orders, Report, Status
+from robotwalk.process.messages import REPORT, Answer, Call, Orders, Report, Status
 from robotwalk.process.pulse import PulsingClock
 from robotwalk.process.shared import Mailbox, Stop
 from robotwalk.process.stop_input import Heeded, StopWatch
@@ -254,7 +254,8 @@ class Servant:
         self._ticks += 1
         if self._news:
             tick, self._news = tick._replace(news=self._news + tick.news), ()
-        self._mailbox.telemetry.write(packed(Report(tick, self._loop.fault, self._loop.low, self._loop.missed)))
+        tick = tick._replace(wanted=tick.wanted._replace(legs=()))
+        self._mailbox.telemetry.write(REPORT.pack(Report(tick, self._loop.fault, self._loop.low, self._loop.missed)))
         self._ring()
 
     def _ring(self) -> None:
