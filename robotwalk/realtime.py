@@ -5,6 +5,7 @@ import ctypes
 import os
 import resource
 import signal
+import socket
 from collections.abc import Iterator
 
 LOOP_PRIORITY = 10  # of 99: above all that is ordinary, below what the kernel itself needs
@@ -15,6 +16,7 @@ _PR_SET_NAME = 15
 _MCL_CURRENT, _MCL_FUTURE = 1, 2  # sys/mman.h
 _LATENCY = "/dev/cpu_dma_latency"
 ISOLATED = "/sys/devices/system/cpu/isolated"
+_claims: list[socket.socket] = []  # held until this process ends
 
 
 def sharpen_timers() -> None:
@@ -32,22 +34,56 @@ def raise_priority(priority: int = LOOP_PRIORITY) -> bool:
 
 
 def own_processor() -> int:
-    """Return the processor that a loop takes, the last that it may use: the first ones get most interrupts.
+    """Return the processor that a loop would take now."""
+    claimed = _claimed()
+    if claimed is None:
+        return _choices()[0]
+    processor, claim = claimed
+    claim.close()
+    return processor
 
-    One that was isolated, on which Linux runs nothing of its own accord, comes before all others.
+
+def pin() -> bool:
+    """Keep this process on a processor that no other loop has; return whether there was one, else it shares."""
+    claimed = _claimed()
+    if claimed is None:
+        processor = _choices()[0]
+    else:
+        processor, claim = claimed
+        _claims.append(claim)
+    with contextlib.suppress(OSError):  # isolated ones may be for others alone
+        os.sched_setaffinity(0, {processor})
+    return claimed is not None
+
+
+def _choices() -> list[int]:
+    """Return the processors for loops, the best first: the last ones, for the first ones get most interrupts.
+
+    Isolated ones, on which Linux runs nothing of its own accord, come before all others.
     """
     try:
         with open(ISOLATED) as file:
             isolated = processors(file.read())
     except OSError:
         isolated = []
-    return max(isolated or os.sched_getaffinity(0))
+    others = set(os.sched_getaffinity(0)).difference(isolated)
+    return [*sorted(isolated, reverse=True), *sorted(others, reverse=True)]
 
 
-def pin() -> None:
-    """Keep this process on a processor of its own."""
-    with contextlib.suppress(OSError):  # isolated ones may be for others alone
-        os.sched_setaffinity(0, {own_processor()})
+def _claimed() -> tuple[int, socket.socket] | None:
+    """Return the best processor that no loop of anybody has claimed, and the claim: it ends when that is closed.
+
+    A claim is an abstract unix socket, of which there is one of a name in a computer, or in a container.
+    """
+    for processor in _choices():
+        claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        try:
+            claim.bind(f"\0robotwalk-processor-{processor}")
+        except OSError:
+            claim.close()
+        else:
+            return processor, claim
+    return None
 
 
 def processors(text: str) -> list[int]:

@@ -12,6 +12,7 @@ def enter_real_time(awake: bool) -> list[str]:
     gc.freeze()
     gc.disable()  # nothing in a tick makes cycles
     sharpen_timers()
-    pin()
+    alone = pin()
     had = {rights.FIRST: raise_priority(), rights.MEMORY: lock_memory(), rights.AWAKE: awake}
-    return rights.lacking([right for right, there in had.items() if not there])
+    shares = [] if alone else ["every processor has a loop already: this one shares the processor of another"]
+    return [*rights.lacking([right for right, there in had.items() if not there]), *shares]

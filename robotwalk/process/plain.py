@@ -1,4 +1,4 @@
-"""NamedTuples as plain tuples and back, by their annotations: what `marshal` takes, several times as fast as `pickle`."""
+"""NamedTuples as plain tuples and back, by their annotations: what `marshal` takes, much faster than `pickle`."""
 
 import marshal
 import types
@@ -16,7 +16,8 @@ Thing = TypeVar("Thing")
 class Codec(Generic[Thing]):
     """Packs one class of NamedTuples.
 
-    Their fields may be numbers, strings, literals, booleans, Enums, NamedTuples, `X | None`, and tuples or sequences of one kind.
+    Their fields may be numbers, strings, literals, booleans, Enums, NamedTuples, `X | None`, and tuples or sequences of
+    one kind, which come back as tuples.
     """
 
     def __init__(self, kind: type[Thing]) -> None:
