@@ -43,11 +43,11 @@ class SimulatedRobot:
         *, rate_hz: int, seed: int = 0, adapter: AdapterName = "none", supply_v: float | None = None,
         internal_resistance: float = 0.0, ground: Ground = FLAT, imu: tuple[str, SimulatedImu] | None = None,
         foot_switches: tuple[str, SimulatedFootSwitches] | None = None,
-        stop_board: tuple[str, SimulatedStopBoard] | None = None,
+        stop_board: tuple[str, SimulatedStopBoard] | None = None, hung: bool = False,
     ) -> None:
         """Build the robot; `servos` and `seated` (rad) are in joint order; one supply (V, ohm) feeds them all.
 
-        `imu`, `foot_switches` and `stop_board` are the name of a port and what talks there.
+        `imu`, `foot_switches` and `stop_board` are the name of a port and what talks there; `hung`: it is on a stand.
 
         Raises:
             ValueError: a bus has a baud that its servos do not have, or servos of two protocols.
@@ -59,7 +59,7 @@ class SimulatedRobot:
             [servo.model for servo in servos], supply_v=supply_v, internal_resistance=internal_resistance)
         self.world = World(
             model, self.physics, [servo.mounting for servo in servos], seated, rate_hz=rate_hz, seed=seed,
-            ground=ground, imu=imu[1].mounting if imu is not None else None)
+            ground=ground, imu=imu[1].mounting if imu is not None else None, hung=hung)
         # Servos find their shafts where the world has put them.
         self.servos = [
             make_servo(

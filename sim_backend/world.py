@@ -28,6 +28,10 @@ _BODY_RGBA = (0.93, 0.52, 0.18, 1.0)
 _FOOT_RGBA = (0.10, 0.10, 0.11, 1.0)
 _STOP_MARGIN = math.radians(5.0)  # the mechanical stops lie this far behind the joints' limits
 _SEATING_SPREAD = math.radians(0.1)  # no two robots sit exactly alike
+_LIFTED = 0.03  # m, that feet are kept off the ground on a stand, legs straight down
+_STAND_RGBA = (0.55, 0.57, 0.60, 1.0)
+_STAND_RADIUS = 0.015  # m
+_STAND_STIFFNESS, _STAND_DAMPING = 2e4, 2e3  # N/m and N s/m; N m/rad and N m s/rad: it gives by a millimetre
 _TORSIONAL_FRICTION = 0.005  # m; MuJoCo's default, the size of the contact patch
 _ROLLING_FRICTION = 0.0001  # m
 
@@ -57,16 +61,17 @@ def steps_per_tick(rate_hz: int) -> int:
 
 
 class World:
-    """A robot on its belly, its servos off, on a ground that is level there."""
+    """A robot on its belly, its servos off, on a ground that is level there; or on a stand, its feet off it."""
 
     def __init__(
         self, model: RobotModel, servos: ServoPhysics, mountings: Sequence[Mounting], seated: Sequence[float], *,
         rate_hz: int, friction: float = 1.0, seed: int = 0, ground: Ground = FLAT,
-        imu: tuple[float, float, float] | None = None,
+        imu: tuple[float, float, float] | None = None, hung: bool = False,
     ) -> None:
         """Build the world around a robot whose joints sit at `seated` (rad), give or take a tenth of a degree.
 
-        `imu` is how one is mounted on the base, at its origin: roll, pitch, yaw (rad); None: there is none.
+        `imu` is how one is mounted on the base, at its origin: roll, pitch, yaw (rad); None: there is none. `hung`: the
+        body is on a stand, so high that no foot reaches the ground.
         """
         self.steps_per_second = rate_hz * steps_per_tick(rate_hz)
         assert self.steps_per_second % rate_hz == 0, "a tick must hold a whole number of physics steps"
@@ -74,8 +79,14 @@ class World:
         spec = _spec(model, friction, ground)
         if imu is not None:
             _add_imu(spec, imu)
+        height = 0.5 * model.body_box.z
+        if hung:
+            height += _LIFTED + max(sum(math.hypot(*joint.link) for joint in leg.joints) for leg in model.legs)
+            _add_stand(spec, height)
         spec.option.timestep = 1.0 / self.steps_per_second
         self.model = spec.compile()
+        if hung:  # by springs: an equality would be one more row of constraints, where shafts have theirs
+            self.model.jnt_stiffness[0], self.model.dof_damping[:6] = _STAND_STIFFNESS, _STAND_DAMPING
         self.data = mujoco.MjData(self.model)
         dofs = [self.model.joint(name).dofadr[0] for name in model.joint_names]
         assert dofs == list(range(6, 6 + len(dofs))), "MuJoCo's joint order is not the robot's"
@@ -86,7 +97,7 @@ class World:
         self._base = self.model.body("base").id
         self._yaw = 0.0
         self._steps = 0
-        self.data.qpos[2] = 0.5 * model.body_box.z
+        self.data.qpos[2] = height
         self.data.qpos[self._angles] = np.random.default_rng(seed).normal(seated, _SEATING_SPREAD)
         self._shafts = Shafts(
             self.model, self.data, servos, first_angle=7, first_dof=6,
@@ -205,6 +216,14 @@ def _spec(model: RobotModel, friction: float, ground: Ground) -> mujoco.MjSpec:
         _add_leg(body, leg, model, sliding)
     add_ground(spec, ground, sliding)
     return spec
+
+
+def _add_stand(spec: mujoco.MjSpec, height: float) -> None:
+    """Put the base at a height, and draw what it stands on, which touches nothing."""
+    spec.body("base").pos = [0.0, 0.0, height]
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=[0.0, 0.0, 0.0, 0.0, 0.0, height], size=[_STAND_RADIUS, 0.0, 0.0],
+        rgba=_STAND_RGBA, contype=0, conaffinity=0)
 
 
 def _add_imu(spec: mujoco.MjSpec, mounting: tuple[float, float, float]) -> None:

@@ -32,6 +32,7 @@ from robotwalk.types import DriveResponse, Strength
 _USUAL_GAITS = ("tripod", "tetrapod", "trot", "wave")  # of six, eight, four legs; of any number
 LIMP = "limp"  # the gait of a robot that has lost a leg
 _CALIBRATION = "calibration.yaml"
+_HUNG_TORQUE = 0.35
 _SHARE_OF_TICK = 0.8  # that a bus may take, with a fifth of the wire free
 
 
@@ -77,6 +78,7 @@ class Blueprint:
     files: Files  # without servos and IMUs that it does not have
     calibration: CalibrationConfig | None = None  # which the rest then takes into account
     imu: ImuModel | None = None  # of what `hardware.imu` is
+    hung: bool = False  # on a stand, its feet off the ground
 
     @property
     def default_gait(self) -> str:
@@ -109,9 +111,22 @@ class Blueprint:
         return wires
 
     @property
+    def torque(self) -> float:
+        """Share of their largest output that the servos may use."""
+        return _HUNG_TORQUE if self.hung else 1.0
+
+    @property
     def blind(self) -> "Blueprint":
         """The same robot as it walks when it neither feels the ground nor keeps itself level."""
         return replace(self, model=replace(self.model, contact=None, orientation=None, levelling=None))
+
+    def hang(self) -> "Blueprint":
+        """Return the same robot as it is on a stand: its legs bear nothing, and its feet find no ground."""
+        blind, safety = self.blind.model, self.model.safety
+        fall = safety.fall.model_copy(update={"least_share": 0.0})
+        model = replace(
+            blind, leads=blind.leads._replace(load=False), safety=safety.model_copy(update={"fall": fall}))
+        return replace(self, model=model, hung=True)
 
     def without(self, lost: Collection[str]) -> "Left":
         """Return what is left without some legs."""

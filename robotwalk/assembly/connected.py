@@ -44,7 +44,7 @@ from robotwalk.robot import Robot
 
 def connect(
     robot: str | Blueprint, ports: Mapping[str, str], *, real: bool = False, rate_hz: int = RATE_HZ,
-    log: Path | None = None, torque: float = 1.0,
+    log: Path | None = None,
 ) -> Session:
     """Open a robot's serial lines and start its loop, for a walk in real time. Nothing moves yet.
 
@@ -55,7 +55,6 @@ def connect(
         real: whether URLs may lead to a physical robot.
         rate_hz: ticks per second.
         log: where to record every tick.
-        torque: share of their largest output that the servos may use.
 
     Raises:
         UsageError: no such robot or bus, a rate or a log that is impossible, or a physical robot not asked for.
@@ -76,7 +75,7 @@ def connect(
     sensors = {line: RemoteSensor(loop, line) for line in blueprint.hardware.sensors}
     walker = Robot(
         blueprint.model, tuple(blueprint.gaits), loop, loop, imu=sensors.get(IMU_PORT),
-        foot_switches=sensors.get(FEET_PORT), recorder=recorder, torque=torque, refused=blueprint.refused)
+        foot_switches=sensors.get(FEET_PORT), recorder=recorder, torque=blueprint.torque, refused=blueprint.refused)
     for sentence in loop.status.lacking:
         walker.note("real_time", sentence)
     lacking = unreadable(blueprint.hardware.stop_input, urls)
@@ -117,7 +116,7 @@ def _start(
         lines = {name: (urls[name], port.fileno()) for name, port in opened.items() if name != STOP_PORT}
         brief = Brief(
             os.getpid(), blueprint.files.texts(), lines, shared, doorbell, rate_hz, recorded=recorder is not None,
-            stop_input=config is not None)
+            stop_input=config is not None, hung=blueprint.hung)
         process = subprocess.Popen(
             [sys.executable, "-m", "robotwalk.assembly.loop_process", blueprint.model.name],
             stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, start_new_session=True,

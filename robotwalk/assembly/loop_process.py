@@ -29,6 +29,8 @@ def main() -> None:
     os.dup2(os.open(os.devnull, os.O_RDONLY), sys.stdin.fileno())
     mailbox = Mailbox(brief.mailbox)
     blueprint = build(Files.parse(brief.files))
+    if brief.hung:
+        blueprint = blueprint.hang()
     sensors = blueprint.hardware.sensors
     ports = {
         name: inherited_port(url, blueprint.lines[name], descriptor, echoes=name not in sensors)

@@ -36,6 +36,8 @@ def replay(path: Path) -> Replay:
                 f"{path} is a black box ({log.about['black_box']}): it has no bytes to replay; PlotJuggler and "
                 "Foxglove show what is in it")
         blueprint = build(Files.parse(log.files))
+        if "hung" in log.about:
+            blueprint = blueprint.hang()
         rate_hz = _rate(log, path)
         playback = Playback(log.steps())
 

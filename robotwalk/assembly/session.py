@@ -88,7 +88,7 @@ def head_of(blueprint: Blueprint, rate_hz: int) -> dict[str, str]:
     """Return what goes into the head of every log."""
     return {
         "robot": blueprint.model.name, "robotwalk": robotwalk.__version__, "python": platform.python_version(),
-        "rate_hz": str(rate_hz)}
+        "rate_hz": str(rate_hz), **({"hung": "true"} if blueprint.hung else {})}
 
 
 def add_black_box(session: Session, where: Path | None = None) -> None:
@@ -157,12 +157,12 @@ def engine_of(
 
 
 def robot_of(
-    blueprint: Blueprint, engine: Engine, recorder: Recorder | None = None, torque: float = 1.0,
+    blueprint: Blueprint, engine: Engine, recorder: Recorder | None = None,
 ) -> Robot:
-    """Return the robot of a loop in this process; `torque` is the share that its servos may use."""
+    """Return the robot of a loop in this process."""
     return Robot(
         blueprint.model, tuple(blueprint.gaits), engine.loop, engine.bus, imu=engine.imu,
-        foot_switches=engine.switches, recorder=recorder, torque=torque, refused=blueprint.refused)
+        foot_switches=engine.switches, recorder=recorder, torque=blueprint.torque, refused=blueprint.refused)
 
 
 def gate_of(blueprint: Blueprint) -> Gate:

@@ -97,7 +97,7 @@ def simulated_robot(
         internal_resistance=blueprint.hardware.power.internal_resistance_ohm,
         ground=(terrain or load_terrain(FLAT)).lay_out(0.5 * blueprint.model.body_box.x, seed),
         imu=_simulated_imu(blueprint), foot_switches=_simulated_foot_switches(blueprint),
-        stop_board=_simulated_stop_board(blueprint) if served else None)
+        stop_board=_simulated_stop_board(blueprint) if served else None, hung=blueprint.hung)
     stage(world, script, seed)
     return world
 
@@ -152,11 +152,12 @@ def serve(
     robot: str, *, pty: Path | None, tcp: str | None, adapter: AdapterName, seed: int, faults: Script,
     truth: Path | None, seconds: float | None, ready: Callable[[dict[str, str], str | None], None],
     check: Callable[[], None], warn: Callable[[str], None], terrain: str = FLAT, view: bool = False,
+    hang: bool = False,
 ) -> None:
     """Serve a simulated robot in real time, as terminals in the folder `pty` or else at the address `tcp`.
 
     `ready` is told the URL of each bus and sensor, and of the page that shows the robot if `view` asks for one. It
-    ends after some `seconds`, or when `check` raises; `warn` is told if this computer is too slow.
+    ends after some `seconds`, or when `check` raises; `warn` is told if this computer is too slow. `hang`: on a stand.
 
     Raises:
         UsageError: no such robot or terrain, or a place or a file that cannot be used.
@@ -168,6 +169,8 @@ def serve(
     from sim_backend.socket_endpoint import open_sockets, parse_address
 
     blueprint, ground = load(robot), load_terrain(terrain)
+    if hang:
+        blueprint = blueprint.hang()
     lines = blueprint.lines
     doors = (
         open_ptys(pty, lines, unasked=tuple(blueprint.hardware.sensors)) if pty is not None

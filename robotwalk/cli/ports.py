@@ -4,19 +4,16 @@ from typing import NamedTuple
 
 from robotwalk.errors import UsageError
 
-_HANGING = 0.35  # of the torque, for the first motion on a stand
-
 
 class Place(NamedTuple):
     """Where a robot is that a command moves."""
 
     ports: dict[str, str]  # URLs by bus
     on_bus: bool  # else in simulation
-    torque: float  # share of their largest output that the servos may use
 
 
-def place(port: list[str] | None, *, real: bool, hang: bool, **simulated: object) -> Place:
-    """Read --port, --real and --hang; `simulated` are the options that a simulation alone has, None where not given.
+def place(port: list[str] | None, *, real: bool, **simulated: object) -> Place:
+    """Read --port and --real; `simulated` are the options that a simulation alone has, None where not given.
 
     Raises:
         UsageError: they exclude each other.
@@ -26,9 +23,7 @@ def place(port: list[str] | None, *, real: bool, hang: bool, **simulated: object
     for option, value in simulated.items():
         if on_bus and value is not None:
             raise UsageError(f"--{option} is for a simulation; there is none behind a port")
-    if hang and not on_bus:
-        raise UsageError("--hang is for a robot on a bus: name it with --port, or say --real")
-    return Place(ports, on_bus, _HANGING if hang else 1.0)
+    return Place(ports, on_bus)
 
 
 def by_bus(words: list[str]) -> dict[str, str]:

@@ -27,6 +27,7 @@ def sim(
     seed: int = 0,
     faults: Path | None = None,
     view: Annotated[bool, Parameter(negative="")] = False,
+    hang: Annotated[bool, Parameter(negative="")] = False,
 ) -> None:
     """Serve the simulated robot as a device in real time: seated, torque off, one serial port per bus.
 
@@ -55,6 +56,8 @@ def sim(
         What goes wrong, and when: a YAML file (see `robotwalk list faults`). It serves from 0.1 simulated seconds on.
     view
         Show it in the browser, on this machine only (needs the extra `robotwalk[view]`).
+    hang
+        On a stand, its feet off the ground.
     """
     if (pty is None) == (tcp is None):
         raise UsageError("say where to serve: either --pty DIR or --tcp HOST:PORT")
@@ -67,7 +70,7 @@ def sim(
     try:
         assembly.serve(
             robot, pty=pty, tcp=tcp, adapter=adapter, seed=seed, faults=faults or (), truth=truth, seconds=duration,
-            ready=_announce, check=interrupts.check, warn=complain, terrain=terrain, view=view)
+            ready=_announce, check=interrupts.check, warn=complain, terrain=terrain, view=view, hang=hang)
     finally:
         interrupts.restore()
 

@@ -84,7 +84,7 @@ def teleop(
     real
         Open the ports that the robot's file names, or physical ones given by --port. The robot will move.
     hang
-        For the first motion, on a stand with the feet off the ground: a third of the torque.
+        The robot is on a stand, its feet off the ground: a third of the torque, and nothing is felt for.
     seated
         Begin with torque off, until a driver says stand; as after a boot.
     terrain
@@ -103,9 +103,11 @@ def teleop(
         JSON lines on stdout: one when drivers are heard, and one at the end.
     """
     simulated = {"terrain": terrain, "faults": faults, "seed": seed, "truth": truth, "view": view or None}
-    where = place(port, real=real, hang=hang, **simulated)
+    where = place(port, real=real, **simulated)
     assembly.check_rate(rate)
     blueprint = assembly.load(robot, calibrated=where.on_bus)
+    if hang:
+        blueprint = blueprint.hang()
     check = _check_of(blueprint)
     check(Command(gait=gait))
     tiller = Tiller(
@@ -131,9 +133,9 @@ def teleop(
         show(time.monotonic(), Told(note=f"wait: {what}"), None)
         ports = where.ports
         if not where.on_bus:
-            device = stack.enter_context(assembly.own_device(robot, simulated))
+            device = stack.enter_context(assembly.own_device(robot, {**simulated, "hang": hang}))
             ports, page = device.ports, device.page
-        session = assembly.connect(blueprint, ports, real=real, rate_hz=rate, log=log, torque=where.torque)
+        session = assembly.connect(blueprint, ports, real=real, rate_hz=rate, log=log)
         assembly.add_black_box(session)
         _say_ready(devices, page, json)
         systemd.ready()

@@ -90,7 +90,7 @@ def walk(
     real
         Open the ports that the robot's file names, or physical ones given by --port. The robot will move.
     hang
-        For the first motion, on a stand with the feet off the ground: a third of the torque.
+        The robot is on a stand, its feet off the ground: a third of the torque, and nothing is felt for.
     log
         Record every tick to this MCAP file, for PlotJuggler or Foxglove.
     black_box
@@ -107,10 +107,12 @@ def walk(
     _require_one_way(route, heading, turn, direction)
     _require_finite(speed=speed, direction=direction, heading=heading, turn=turn, height=height, period=period,
         duration=duration)
-    where = place(port, real=real, hang=hang, gif=gif, view=view or None, faults=faults, terrain=terrain)
+    where = place(port, real=real, gif=gif, view=view or None, faults=faults, terrain=terrain)
     if gif is not None:
         assembly.check_film(gif)
     blueprint = assembly.load(robot, calibrated=where.on_bus)
+    if hang:
+        blueprint = blueprint.hang()
     plan = Plan(
         speed=abs(speed), direction=math.radians(direction + (180.0 if speed < 0.0 else 0.0)),
         heading=None if heading is None else math.radians(heading),
@@ -121,7 +123,7 @@ def walk(
     require_possible(plan, blueprint)
     session: assembly.Session
     if where.on_bus:
-        session = assembly.connect(blueprint, where.ports, real=real, rate_hz=rate, log=log, torque=where.torque)
+        session = assembly.connect(blueprint, where.ports, real=real, rate_hz=rate, log=log)
     else:
         session = assembly.simulate(
             blueprint, rate_hz=rate, seed=seed, log=log, faults=faults or (), terrain=terrain or assembly.FLAT)

@@ -21,6 +21,7 @@ class Brief(NamedTuple):
     rate_hz: int
     recorded: bool
     stop_input: bool  # another process reads it
+    hung: bool  # the robot is on a stand
 
 
 class Orders(NamedTuple):

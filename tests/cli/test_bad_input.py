@@ -33,7 +33,6 @@ HEXAPOD = (library.root() / "robots" / "hexapod.yaml").read_text()
     (["walk", "hexapod", "--port", "legs=/dev/null", "--gif", "a.gif"], 2, "--gif is for a simulation"),
     (["walk", "hexapod", "--port", "legs=/dev/null", "--faults", "a.yaml"], 2, "--faults is for a simulation"),
     (["walk", "hexapod", "--faults", "missing.yaml"], 3, "missing.yaml: cannot be read: No such file or directory"),
-    (["walk", "hexapod", "--hang"], 2, "--hang is for a robot on a bus"),
     (["check", "hexapod", "--rate", "0"], 2, "the rate should be 10 to 1000 Hz, not 0"),
     (["bench", "sim", "--seconds", "0"], 2, "--seconds should be above 0"),
     (["bench", "tick", "--seconds", "nan"], 2, "--seconds should be above 0"),
