@@ -24,12 +24,28 @@ def with_imu(robot: str, folder: Path) -> str:
     return str(path)
 
 
-def set_upright(simulation: assembly.Simulation) -> None:
-    """Put the robot back onto its belly, as a person would."""
-    world = simulation.world.world
-    world.data.qpos[2:7] = [simulation.robot.model.heights.sit + 0.01, 1.0, 0.0, 0.0, 0.0]
-    world.data.qvel[:] = np.zeros_like(world.data.qvel)
-    simulation.clock.wait((), simulation.clock.now() + NS)
+class Hand:
+    """Holds the robot level in the air."""
+
+    def __init__(self, simulation: assembly.Simulation) -> None:
+        self._data, self._clock = simulation.world.world.data, simulation.clock
+        self._observers = simulation.world.observers
+        self._seat = simulation.robot.model.heights.sit + 0.01
+        self._height, self._step = 0.25, 0.0  # m, and by how much it goes down in a step of the physics
+        self.since = self._clock.now() * 1e-9  # s
+        self._observers.append(self._hold)
+
+    def _hold(self) -> None:
+        self._height = max(self._height - self._step, self._seat)
+        self._data.qpos[2:7] = [self._height, 1.0, 0.0, 0.0, 0.0]
+        self._data.qvel[:6] = np.zeros(6)
+
+    def set_down(self) -> None:
+        """Lower it onto its belly, and let it go."""
+        self._step = 3e-4
+        self._clock.wait((), self._clock.now() + 2 * NS)
+        assert self._height == self._seat
+        self._observers.remove(self._hold)
 
 
 @pytest.mark.parametrize(("robot", "imu", "force", "way", "told", "within"), [
@@ -65,34 +81,25 @@ def test_a_robot_that_is_pushed_over_goes_soft_and_limp_and_stands_again_once_it
         simulation.clock.wait((), simulation.clock.now() + NS)
         assert max(look.speed for look in bystander.after(bystander.seen[-1].t - 0.2)) < 0.8, "limp legs sink"
         assert bystander.largest_tilt() > 45.0
-        set_upright(simulation)
+        assert bystander.joints.past_stops == {}, "its own weight turns joints, to their stops and no farther"
+        Hand(simulation).set_down()
         walker.stand()
         assert simulation.world.truth().base.z > 0.8 * walker.model.heights.stand
     assert bystander.sees_it_down()
-    assert bystander.joints.past_stops == {}, "its own weight turns joints, to their stops and no farther"
 
 
 def test_a_robot_that_is_lifted_in_its_walk_stops_kicking_and_stands_again_once_it_is_set_down() -> None:
     simulation = assembly.simulate("pentapod")
     bystander = Bystander(simulation)
-    data, lifted = simulation.world.world.data, 0.0
-
-    def hold() -> None:
-        nonlocal lifted
-        lifted = lifted or bystander.seen[-1].t
-        data.qpos[2:7] = [0.3, 1.0, 0.0, 0.0, 0.0]
-        data.qvel[:6] = np.zeros(6)
-
     with simulation.robot as walker:
         walker.stand()
         walker.walk(vx=0.1, seconds=1.0)
-        simulation.world.observers.append(hold)
+        hand = Hand(simulation)
         with pytest.raises(SafetyStop, match=r"was lifted: its legs push it up with [0-2]?\d % of its weight"):
             walker.walk(vx=0.1, seconds=4.0)
         simulation.clock.wait((), simulation.clock.now() + NS // 2)
         assert max(look.speed for look in bystander.after(bystander.seen[-1].t - 0.1)) < 1.0, "limp legs hang"
-        assert bystander.seen[-1].t - lifted < 4.5
-        simulation.world.observers.remove(hold)
-        set_upright(simulation)
+        assert bystander.seen[-1].t - hand.since < 4.5
+        hand.set_down()
         walker.stand()
         assert simulation.world.truth().base.z > 0.8 * walker.model.heights.stand
