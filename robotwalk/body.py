@@ -120,10 +120,10 @@ class Body:
 
     def step(self, twist: Twist, height: float, posture: Pose, dt: float, *, still: bool = False) -> Pose:
         """Advance by `dt` s; return the body's pose in odom. Keep the height and the posture as they are if `still`."""
-        course = advanced(self.course, twist, dt)
+        x, y, _, roll, pitch, yaw = advanced(self.course, twist, dt)
         if still:
             height, posture = self.height.value, Pose(*(ramp.value for ramp in self._posture))
-        self.course = course._replace(z=self.height.step(height, dt))
+        self.course = Pose(x, y, self.height.step(height, dt), roll, pitch, yaw)
         if posture is LEVEL and self._level:
             self.pose = self.course
         else:
@@ -141,4 +141,6 @@ class Body:
         """Tell whether the body has come to this height and posture."""
         if not self.height.settled(height, self._REACHED):
             return False
+        if posture is LEVEL and self._level:
+            return True
         return all(r.settled(p, self._REACHED) for r, p in zip(self._posture, posture, strict=True))

@@ -76,10 +76,12 @@ class FootSense:
             switches: of each foot; empty: there are none.
         """
         felt: list[Felt | None] = []
+        efforts, speeds, valid = state.effort, state.velocity, state.valid
+        all_heard = all(valid)
         for index, ((span, foot), leg) in enumerate(zip(self._feet, statics, strict=True)):
             by_load = None
-            if self._by_load and all(state.valid[span]):
-                by_load = foot.step(state.effort[span], state.velocity[span], leg, up, dt)
+            if self._by_load and (all_heard or all(valid[span])):
+                by_load = foot.step(efforts[span], speeds[span], leg, up, dt)
             else:
                 foot.skip()
             closed = switches[index].closed if switches else None
@@ -119,8 +121,9 @@ class _Foot:
         hidden = feigned = 0.0
         for motor, (_, before), (_, now), column in zip(self._motors, last, self._last, leg.columns, strict=True):
             arm = _LEVER * math.hypot(*column) + _DAMPING
-            hidden = max(hidden, motor.friction / arm)
-            feigned = max(feigned, abs(now - before) / arm)
+            friction, change = motor.friction / arm, abs(now - before) / arm
+            hidden = friction if friction > hidden else hidden
+            feigned = change if change > feigned else feigned
         touching = self._judge(load, self._least + hidden)
         sure = touching and load > self._least + _INERTIA_UNKNOWN * feigned / dt
         return Felt(force, load, touching, sure)

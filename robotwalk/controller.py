@@ -183,7 +183,7 @@ class Controller:
             self._stance.room = granted.room
         else:
             self._stance.room = min(self._stance.room, granted.room)
-        return granted._replace(room=self._stance.room)
+        return Carriage(height=granted.height, posture=granted.posture, room=self._stance.room)
 
     def _shifts(self, posture: Pose) -> bool:
         """Tell whether the body must not yet tip, for it is still beside its place."""
@@ -229,16 +229,14 @@ class Controller:
         feet = self._footfalls.stood
         if model.orientation is not None and model.orientation.in_swing:
             feet = self._footfalls.centres
-        radius = model.foot_radius
-        grounded = [Vec3(x, y, z - radius) for x, y, z in feet]
         course = self._body.course
-        change = self._orientation.step(grounded, course, dt)
+        change = self._orientation.step(feet, course, dt)
         # Feet rest below the body along its own axis (ARTH section 5.3): legs fit it however far odom's tilt is off.
         height = model.heights.stand
         ahead, left = -height * math.sin(change.pitch), height * math.sin(change.roll)
         x, y = placed(course, Vec3(ahead, left, 0.0))
-        self._foot_course = course._replace(x=x, y=y)
-        return pose._replace(z=pose.z + change.z, roll=pose.roll + change.roll, pitch=pose.pitch + change.pitch)
+        self._foot_course = Pose(x, y, course.z, course.roll, course.pitch, course.yaw)
+        return Pose(pose.x, pose.y, pose.z + change.z, pose.roll + change.roll, pose.pitch + change.pitch, pose.yaw)
 
     def _keep_upright(self, estimate: Estimate, dt: float) -> None:
         """Turn odom, and all that stands in it, upright under the body."""

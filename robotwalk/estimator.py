@@ -58,11 +58,12 @@ class Odometry:
             dt: s since the last measurement.
         """
         pairs: list[tuple[Vec3, Vec3]] = []
+        all_heard = all(state.valid)
         for index, (span, now) in enumerate(zip(self._spans, feet, strict=True)):
             self._planted_for[index] = self._planted_for[index] + dt if planted and planted[index] else 0.0
             before = self._feet[index]
             self._feet[index] = None
-            if all(state.valid[span]):
+            if all_heard or all(state.valid[span]):
                 self._feet[index] = now
                 if before is not None and self._planted_for[index] >= _SETTLING:
                     pairs.append((before, now))
@@ -70,9 +71,8 @@ class Odometry:
             dx, dy, turn = _rigid_motion(pairs)
             c, s = math.cos(self._pose.yaw), math.sin(self._pose.yaw)
             height = self._foot_radius - sum(now.z for _, now in pairs) / len(pairs)
-            self._pose = self._pose._replace(
-                x=self._pose.x + c * dx - s * dy, y=self._pose.y + s * dx + c * dy,
-                z=height, yaw=self._pose.yaw + turn)
+            x, y, _, roll, pitch, yaw = self._pose
+            self._pose = Pose(x + c * dx - s * dy, y + s * dx + c * dy, height, roll, pitch, yaw + turn)
         else:
             self._pose = advanced(self._pose, commanded, dt)
         return Estimate(self._pose, len(pairs), feet=tuple(self._feet))
@@ -80,7 +80,7 @@ class Odometry:
 
 def tilted(pose: Pose, tilt: Tilt | None) -> Pose:
     """Return a pose with a tilt against gravity; as it is where that is not known."""
-    return pose if tilt is None else pose._replace(roll=tilt.roll, pitch=tilt.pitch)
+    return pose if tilt is None else Pose(pose.x, pose.y, pose.z, tilt.roll, tilt.pitch, pose.yaw)
 
 
 def _rigid_motion(pairs: Sequence[tuple[Vec3, Vec3]]) -> tuple[float, float, float]:

@@ -71,7 +71,7 @@ class Levelling:
         roll, pitch = self._roll, self._pitch
         roll.step(told.roll, None if tilt is None else tilt.roll, dt)
         pitch.step(told.pitch, None if tilt is None else tilt.pitch, dt)
-        return pose._replace(roll=pose.roll + roll.value, pitch=pose.pitch + pitch.value)
+        return Pose(pose.x, pose.y, pose.z, pose.roll + roll.value, pose.pitch + pitch.value, pose.yaw)
 
     def above_feet(self, pose: Pose) -> Pose:
         """Return a pose so far uphill that its centre of mass is above the feet that it was above in odom."""

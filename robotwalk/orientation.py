@@ -27,7 +27,7 @@ class GroundPlane(NamedTuple):
 
     def seen_at(self, course: Pose, x: float, y: float) -> "GroundPlane":
         """Return the same plane for a course that is at (x, y) of odom instead."""
-        return self._replace(height=self.at(course, x, y))
+        return GroundPlane(self.at(course, x, y), self.ahead, self.left)
 
     def at(self, course: Pose, x: float, y: float) -> float:
         """Return its height at a point of odom, m."""
@@ -61,6 +61,7 @@ class Orientation:
 
     def __init__(self, model: RobotModel, settings: OrientationSettings) -> None:
         self._settings = settings
+        self._foot_radius = model.foot_radius
         left = _from_front(model.legs, 1.0)
         right = _from_front(model.legs, -1.0)
         foremost = {side[0] for side in (left, right) if side}
@@ -85,7 +86,7 @@ class Orientation:
         """Advance by `dt` s; return what to add to a level body's pose: height, roll and pitch.
 
         Args:
-            feet: where they stand in odom, on the ground, or stood last; m.
+            feet: their centres in odom where they stand, or stood last; m.
             course: of the body.
             dt: s.
         """
@@ -93,9 +94,9 @@ class Orientation:
         c, s = math.cos(course.yaw), math.sin(course.yaw)
         seen: list[tuple[float, float, float]] = []
         mx = my = mz = 0.0
-        for fx, fy, z in feet:
+        for fx, fy, fz in feet:
             dx, dy = fx - course.x, fy - course.y
-            x, y = c * dx + s * dy, c * dy - s * dx
+            x, y, z = c * dx + s * dy, c * dy - s * dx, fz - self._foot_radius
             seen.append((x, y, z))
             mx, my, mz = mx + x, my + y, mz + z
         ahead, left = self._slopes(seen)

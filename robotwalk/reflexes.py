@@ -62,14 +62,15 @@ class Reflexes:
             drawn_back = foot.bumps == 0 or swing.progress >= _DRAWN_BACK or not self._struck(foot, sense)
             foot.free = drawn_back and not sense.touching
             return
-        above = sense.place.z - foot.target.z
-        struck = (swing.progress <= _BUMP_UNTIL or above > _AS_EXPECTED) and self._struck(foot, sense)
+        struck = self._struck(foot, sense) and (swing.progress <= _BUMP_UNTIL or _above(foot, sense) > _AS_EXPECTED)
         foot.struck_for = foot.struck_for + dt if struck else 0.0
         if contact.step_over and foot.struck_for > _STRUCK_FOR:
             self._step_over(foot, sector, sense)
-        elif contact.early_touchdown and swing.progress >= _COMING_DOWN and sense.sure and above > _AS_EXPECTED:
-            self._be_surprised(above)
-            foot.anchor(sense.place)
+        elif contact.early_touchdown and swing.progress >= _COMING_DOWN and sense.sure:
+            above = _above(foot, sense)
+            if above > _AS_EXPECTED:
+                self._be_surprised(above)
+                foot.anchor(sense.place)
 
     def keep_ground(self, foot: Foot, sector: Sector, load: float, dt: float) -> None:
         """Have a standing foot, that should bear a load, N, feel for the ground again that it has lost."""
@@ -127,12 +128,15 @@ class Reflexes:
 
     def _struck(self, foot: Foot, sense: Sense) -> bool:
         """Tell whether something holds a foot back on its way."""
+        least = _BUMP * self._weight
+        if sense.strength <= least:
+            return False
         dx, dy = foot.target.x - foot.stood.x, foot.target.y - foot.stood.y
         way = math.hypot(dx, dy)
         if way <= _LEAST_WAY:
             return False
         x, y, z = sense.push
-        return -(x * dx + y * dy) / way > max(_BUMP * self._weight, _STEEP * z)
+        return -(x * dx + y * dy) / way > max(least, _STEEP * z)
 
     def _be_surprised(self, by: float) -> None:
         self.caution = max(self.caution, min(by, self._contact.caution))
@@ -140,6 +144,11 @@ class Reflexes:
     def _search(self, foot: Foot, place: Vec3) -> None:
         """Begin a search at a place where there should have been ground."""
         foot.search = Search(self._contact, foot.path, foot.leg.lift, foot.stood, place, self._random)
+
+
+def _above(foot: Foot, sense: Sense) -> float:
+    """Return how far above its target a foot is, m, as its joints tell."""
+    return sense.place.z - foot.target.z
 
 
 def giving_up(foot: Foot) -> GivingUp | None:

@@ -25,10 +25,23 @@ _CLOSING = 1e-9  # m
 _Box = tuple[Vec3, Vec3]  # its lowest and its highest corner
 
 
-class _Limb:
+class _Mover:
+    """What may meet something.
+
+    Attributes:
+        gone: the most that any of its points can have gone so far, m.
+        ahead: the most that it can have gone by when it stands, if it brakes now, m.
+    """
+
+    def __init__(self) -> None:
+        self.gone = self.ahead = 0.0
+
+
+class _Limb(_Mover):
     """A leg with what its motion can reach."""
 
     def __init__(self, leg: Leg, foot_radius: float) -> None:
+        super().__init__()
         self.leg = leg
         self.span = leg.span
         lengths = [math.hypot(*joint.link) for joint in leg.joints]
@@ -38,8 +51,6 @@ class _Limb:
         self.radii[-1] = max(self.radii[-1], foot_radius)
         self.rest = chain_points(leg, [joint.rest for joint in leg.joints])
         self._known: list[tuple[Sequence[float], list[Vec3]]] = []  # all joints' angles, and its points there
-        self.gone = 0.0  # m, the most that any of its points can have gone so far
-        self.stopping = 0.0  # m, as much until it stands, if it brakes now
 
     def points(self, angles: Sequence[float]) -> list[Vec3]:
         """Return the ends of its links, m, for the angles of all joints."""
@@ -79,6 +90,7 @@ class Pair:
     def __init__(self, first: _Limb, second: _Limb | None, links: list[tuple[int, int]], half: Vec3) -> None:
         """Pair a leg with another one, or with a body of these half lengths."""
         self.first, self.second, self.links = first, second, links
+        self.other: _Mover = second or _Mover()  # the body stays where it is
         self._half = half
         self._spans = tuple(slice(min(side), max(side) + 2) for side in zip(*links, strict=True))
         # A way that parts them at rest, and how far they stick out along it.
@@ -94,8 +106,7 @@ class Pair:
             way = math.hypot(x, y) or 1.0
             self._across = Vec3(x / way, y / way, 0.0)
             self._thick = max(first.radii) + max(second.radii)
-        self.free = -math.inf  # m, beyond the margin, when it was last looked at
-        self.gone = 0.0  # m, what both had gone by then
+        self.until = -math.inf  # m, that both together may have gone before they can meet
 
     def gap(self, angles: Sequence[float]) -> float:
         """Return how far apart they are along one way, m: no farther than they are, and quickly told."""
@@ -129,7 +140,7 @@ class SelfCollision:
     def reset(self) -> None:
         """Start anew, from wherever the joints are."""
         for pair in self.pairs:
-            pair.free = -math.inf
+            pair.until = -math.inf
 
     def step(self, goals: Sequence[float], speeds: Sequence[float], dt: float) -> list[slice]:
         """Return the legs that must brake now, by where their joints are, lest they meet something.
@@ -143,18 +154,16 @@ class SelfCollision:
         for limb in self.limbs:
             rate = sum(rates[limb.span])
             limb.gone += rate * dt
-            limb.stopping = rate * self._longest
+            limb.ahead = limb.gone + rate * self._longest
         braking: dict[_Limb, None] = {}
         stopped: list[float] = []  # where all joints would be
         for pair in self.pairs:
-            first, second = pair.first, pair.second
-            gone, stopping = first.gone, first.stopping
-            if second is not None:
-                gone, stopping = gone + second.gone, stopping + second.stopping
-            if pair.free - (gone - pair.gone) >= stopping:
+            ahead = pair.first.ahead + pair.other.ahead
+            if pair.until >= ahead:
                 continue
-            pair.free, pair.gone = pair.gap(goals) - MARGIN, gone
-            if pair.free >= stopping:
+            gone = pair.first.gone + pair.other.gone
+            pair.until = gone + pair.gap(goals) - MARGIN
+            if pair.until >= ahead:
                 continue
             stopped = stopped or [
                 goal + speed * abs(speed) * brake
@@ -162,9 +171,9 @@ class SelfCollision:
             if pair.gap(stopped) >= MARGIN:
                 continue
             now, then = pair.apart(goals), pair.apart(stopped)
-            pair.free = now - MARGIN
+            pair.until = gone + now - MARGIN
             if then < MARGIN and then < now - _CLOSING:
-                braking.update({limb: None for limb in (first, second) if limb is not None})
+                braking.update({limb: None for limb in (pair.first, pair.second) if limb is not None})
         return [limb.span for limb in braking]
 
 

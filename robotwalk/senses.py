@@ -1,5 +1,6 @@
 """What the feet feel, and where that is in odom: worked out for the feet, and in the ticks, in which somebody asks."""
 
+import math
 from collections.abc import Sequence
 
 from robotwalk.body import Attitude, seen_from
@@ -61,13 +62,15 @@ class Sense:
     Attributes:
         touching: whether it bears a load worth a step.
         sure: whether it does, however fast its leg is.
+        strength: of the push, N.
     """
 
-    __slots__ = ("_body", "_foot", "_force", "sure", "touching")
+    __slots__ = ("_body", "_foot", "_force", "strength", "sure", "touching")
 
     def __init__(self, felt: Felt, foot: Vec3, body: BodyInOdom) -> None:
         """Place what was felt by a foot that is at `foot` in the base frame, m."""
         self.touching, self.sure = felt.touching, felt.sure
+        self.strength = math.hypot(*felt.force)
         self._force, self._foot, self._body = felt.force, foot, body
 
     @property

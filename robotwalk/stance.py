@@ -64,17 +64,17 @@ class Stance:
             clock.gait, self._waits(clock.gait, clock.phase, clock.period, course, twist), course, twist)
 
     def _waits(self, gait: Gait, phase: float, period: float, course: Pose, twist: Twist) -> list[float]:
-        """Return how long each foot would have to wait for its lift-off, s."""
+        """Return how long each standing foot would have to wait for its lift-off, s."""
         if gait.free is not None:
             return gait.free.waits(self._feet, course, twist, self.swing_time(gait, period))
-        late = max(self._lateness(foot, phase, period) for foot in self._feet)
+        late = max([self._lateness(foot, phase, period) for foot in self._feet if foot.overdue], default=0.0)
         return [
-            0.0 if due(foot, index, gait, phase) is not None
+            0.0 if foot.sector is not None or due(foot, index, gait, phase) is not None
             else gait.until_lift_off(index, phase) * period + late for index, foot in enumerate(self._feet)]
 
     def _lateness(self, foot: Foot, phase: float, period: float) -> float:
-        """Return for how long the needle will have to wait for a foot in the air, s, as far as that is known."""
-        if foot.sector is None or not foot.overdue:
+        """Return for how long the needle will have to wait for a foot that is overdue, s, as far as that is known."""
+        if foot.sector is None:
             return 0.0
         if foot.search is not None or foot.swing is None:
             return _SEARCH

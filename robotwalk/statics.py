@@ -119,14 +119,22 @@ class LegMasses:
         fx = fy = fz = mx = my = mz = 0.0
         behind: list[_Behind] = []
         for (axis, lx, ly, lz, nx, ny, nz), angle in zip(self._links, reversed(angles), strict=True):
-            fx, fy, fz, mx, my, mz = fx + lx, fy + ly, fz + lz, mx + nx, my + ny, mz + nz
+            fx += lx
+            fy += ly
+            fz += lz
+            mx += nx
+            my += ny
+            mz += nz
             c, s = math.cos(angle), math.sin(angle)
             if axis is _PITCH:
-                fx, fz, mx, mz = c * fx + s * fz, c * fz - s * fx, c * mx + s * mz, c * mz - s * mx
+                fx, fz = c * fx + s * fz, c * fz - s * fx
+                mx, mz = c * mx + s * mz, c * mz - s * mx
             elif axis is _YAW:
-                fx, fy, mx, my = c * fx - s * fy, s * fx + c * fy, c * mx - s * my, s * mx + c * my
+                fx, fy = c * fx - s * fy, s * fx + c * fy
+                mx, my = c * mx - s * my, s * mx + c * my
             else:
-                fy, fz, my, mz = c * fy - s * fz, s * fy + c * fz, c * my - s * mz, s * my + c * mz
+                fy, fz = c * fy - s * fz, s * fy + c * fz
+                my, mz = c * my - s * mz, s * my + c * mz
             behind.append((axis, c, s, fx, fy, fz, mx, my, mz))
         return behind
 

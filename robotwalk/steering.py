@@ -39,4 +39,4 @@ class Steering:
         excess = error - min(max(error, -_LEFT_ALONE), _LEFT_ALONE)
         if excess == 0.0:
             return twist
-        return twist._replace(wz=twist.wz + min(max(_GAIN * excess, -_LARGEST), _LARGEST))
+        return Twist(twist.vx, twist.vy, twist.wz + min(max(_GAIN * excess, -_LARGEST), _LARGEST))

@@ -174,21 +174,21 @@ class Stepping:
         """Return the feet as they are."""
         feet = self._feet
         searching = [foot for foot in feet if foot.search is not None]
+        overdue = [foot for foot in feet if foot.overdue]
         return Footfalls(
             tuple([foot.place for foot in feet]),
             tuple([foot.sector is None for foot in feet]),
             tuple([foot.target[:2] for foot in feet]),
             tuple([foot.stood for foot in feet]),
-            any(self._is_late(foot) for foot in feet) or (self._sharing is not None and self._sharing.waiting),
-            any(foot.search.phase is not Phase.DOWN for foot in feet if foot.search is not None),
+            bool(searching) or any(map(self._outlasts, overdue)) or (
+                self._sharing is not None and self._sharing.waiting),
+            any(foot.search is not None and foot.search.phase is not Phase.DOWN for foot in searching),
             next(filter(None, map(giving_up, searching)), None),
         )
 
-    def _is_late(self, foot: Foot) -> bool:
-        """Tell whether the needle has to wait for a foot: it looks for ground, or its swing outlasts its sector."""
-        if foot.search is not None:
-            return True
-        return foot.overdue and foot.sector is not None and foot.sector.progress(self._phase) >= _NEARLY_OVER
+    def _outlasts(self, foot: Foot) -> bool:
+        """Tell whether the swing of a foot that is overdue outlasts its sector: the needle has to wait for it."""
+        return foot.sector is not None and foot.sector.progress(self._phase) >= _NEARLY_OVER
 
     def _move(self, index: int, foot: Foot, sector: Sector, now: _Moment) -> None:
         """Carry a foot on by a tick."""

@@ -51,8 +51,7 @@ class Swing:
         position: of the foot, m.
     """
 
-    __slots__ = ("_height", "_lift", "_path", "_rest", "_seconds", "_up", "_way", "position", "progress", "start",
-                 "target")
+    __slots__ = ("_lift", "_path", "_rest", "_seconds", "_up", "position", "progress", "start", "target")
 
     def __init__(self, path: SwingPath, lift: float, start: Vec3) -> None:
         """Lift off at `start`; the foot comes down there unless it is sent elsewhere."""
@@ -60,7 +59,6 @@ class Swing:
         self.progress = 0.0
         self._path = path
         self._lift = lift  # m
-        self._way, self._height = path.at(0.0)  # by progress
         self._rest = _NO_REST
         self._seconds = 1.0  # of each half
         self._up = UP
@@ -68,7 +66,8 @@ class Swing:
     @property
     def velocity(self) -> Vec3:
         """The foot's, m/s; what a moving up axis adds is left out."""
-        way, rise = self._way.velocity / self._seconds, self._lift * self._height.velocity / self._seconds
+        along, height = self._path.at(self.progress)
+        way, rise = along.velocity / self._seconds, self._lift * height.velocity / self._seconds
         (sx, sy, sz), (tx, ty, tz), (ux, uy, uz) = self.start, self.target, self._up
         x, y, z = self._rest
         return Vec3(
@@ -83,8 +82,8 @@ class Swing:
         if self.progress == 0.0:
             self.target = target
             return
-        self._rest = (self._kept(x, self._way, ax - bx), self._kept(y, self._way, ay - by),
-                      self._kept(z, self._way, az - bz))
+        way, _ = self._path.at(self.progress)
+        self._rest = self._kept(x, way, ax - bx), self._kept(y, way, ay - by), self._kept(z, way, az - bz)
         self.target = target
 
     def turn(self, turn: Turn) -> None:
@@ -93,11 +92,11 @@ class Swing:
 
     def replace(self, path: SwingPath, lift: float) -> None:
         """Go on along another path, or with another lift, in m."""
-        way, height = path.at(self.progress)
-        dway = Motion(*(a - b for a, b in zip(self._way, way, strict=True)))
-        dheight = Motion(*(self._lift * a - lift * b for a, b in zip(self._height, height, strict=True)))
+        (way, height), (way_before, height_before) = path.at(self.progress), self._path.at(self.progress)
+        dway = Motion(*(a - b for a, b in zip(way_before, way, strict=True)))
+        dheight = Motion(*(self._lift * a - lift * b for a, b in zip(height_before, height, strict=True)))
         self._add_to_rest(dway, dheight)
-        self._path, self._lift, self._way, self._height = path, lift, way, height
+        self._path, self._lift = path, lift
 
     def step(self, dt: float, seconds: float, up: Vec3 = UP) -> Vec3:
         """Go on by `dt` s and return where the foot is.
@@ -120,9 +119,9 @@ class Swing:
             self._rest = _NO_REST if remaining <= dt else (
                 least_jerk(x, 0.0, remaining, dt), least_jerk(y, 0.0, remaining, dt), least_jerk(z, 0.0, remaining, dt))
         x, y, z = self._rest
-        self._way, self._height = self._path.at(self.progress)
+        way, height = self._path.place(self.progress)
+        rise = self._lift * height
         self._up = up
-        way, rise = self._way.position, self._lift * self._height.position
         (sx, sy, sz), (tx, ty, tz) = self.start, self.target
         self.position = Vec3(
             sx + way * (tx - sx) + rise * up.x + x.position, sy + way * (ty - sy) + rise * up.y + y.position,
@@ -133,9 +132,9 @@ class Swing:
         """Put what another time of a half changes of the speed into the rest; the way made stays."""
         ratio = self._seconds / seconds
         first, second = 1.0 - ratio, 1.0 - ratio * ratio
-        dway = Motion(0.0, first * self._way.velocity, second * self._way.acceleration)
-        dheight = Motion(
-            0.0, self._lift * first * self._height.velocity, self._lift * second * self._height.acceleration)
+        way, height = self._path.at(self.progress)
+        dway = Motion(0.0, first * way.velocity, second * way.acceleration)
+        dheight = Motion(0.0, self._lift * first * height.velocity, self._lift * second * height.acceleration)
         self._add_to_rest(dway, dheight)
 
     def _add_to_rest(self, dway: Motion, dheight: Motion) -> None:

@@ -53,23 +53,36 @@ class SwingPath:
         """Tell whether it has a second half."""
         return self._back is not None
 
+    def place(self, progress: float) -> tuple[float, float]:
+        """Return the way and the height for a progress."""
+        way, height = self._on_curve(progress)[1]
+        return way[0], height[0]
+
     def at(self, progress: float) -> PathPoint:
         """Return the point for a progress, with its derivatives by progress."""
-        if progress < 1.0:
-            u, curve = max(progress, 0.0), self._forth
-        elif self._back is None or progress == 1.0:
-            return self._end
-        elif progress < 2.0:
-            u, curve = progress - 1.0, self._back
-        else:
-            return self._origin or self._end
+        u, point = self._on_curve(progress)
+        if u is None:
+            return point
+        way, height = point
         left = 1.0 - u
-        way, height = curve(u * u * u * (10.0 + u * (-15.0 + 6.0 * u)))
         rate = 30.0 * (u * left) ** 2  # of the curve's parameter, by progress
         change, square = 60.0 * u * left * (left - u), rate * rate
         return PathPoint(
             Motion(way[0], way[1] * rate, way[2] * square + way[1] * change),
             Motion(height[0], height[1] * rate, height[2] * square + height[1] * change))
+
+
+    def _on_curve(self, progress: float) -> tuple[float | None, PathPoint]:
+        """Return the share of its half's time for a progress, None where it is at rest, and the point of the curve."""
+        if progress < 1.0:
+            u, curve = max(progress, 0.0), self._forth
+        elif self._back is None or progress == 1.0:
+            return None, self._end
+        elif progress < 2.0:
+            u, curve = progress - 1.0, self._back
+        else:
+            return None, self._origin or self._end
+        return u, curve(u * u * u * (10.0 + u * (-15.0 + 6.0 * u)))
 
 
 def _still(point: PathPoint) -> PathPoint:

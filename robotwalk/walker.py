@@ -80,7 +80,7 @@ class Walker:
         self._tilt = tilt
         pose = tilted(estimate.pose, tilt)
         stable = stability(centre, feet, wanted.planted, pose) if self._tells_stability else None
-        return estimate._replace(pose=pose, tilt=tilt, imu=imu, felt=felt, switches=tuple(switches)), stable
+        return Estimate(pose, estimate.standing_feet, tilt, imu, estimate.feet, felt, tuple(switches)), stable
 
     def step(self, state: State, command: Command, estimate: Estimate, dt: float) -> Wanted:
         """Advance by `dt` s; return what is wanted of all joints of the whole robot."""

@@ -20,8 +20,9 @@ def model(request: pytest.FixtureRequest) -> RobotModel:
 
 def feet_on(model: RobotModel, ahead: float, left: float) -> list[Vec3]:
     """Return the resting feet on a plane that rises by these slopes and is 0.02 m high at the body's middle."""
+    height = 0.02 + model.foot_radius
     return [
-        Vec3(leg.rest_foot.x, leg.rest_foot.y, 0.02 + ahead * leg.rest_foot.x + left * leg.rest_foot.y)
+        Vec3(leg.rest_foot.x, leg.rest_foot.y, height + ahead * leg.rest_foot.x + left * leg.rest_foot.y)
         for leg in model.legs]
 
 

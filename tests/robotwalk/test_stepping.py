@@ -7,9 +7,10 @@ from typing import Any
 import pytest
 
 from robotwalk.body import advanced
-from robotwalk.contact import Sense
+from robotwalk.contact import Felt
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.model import RobotModel
+from robotwalk.senses import BodyInOdom, Sense
 from robotwalk.stepping import Stepping
 from robotwalk.types import LEVEL, STILL, Command, Twist, Vec3
 
@@ -156,7 +157,9 @@ def test_the_needle_waits_for_feet_that_are_late_though_nobody_feels(
 def test_a_foot_that_feels_no_more_ends_its_search(hexapod: RobotModel, gaits: dict[str, Gait]) -> None:
     stepping, clock = Stepping(hexapod, LEVEL), GaitClock(gaits["wave"])
     rest = stepping.footfalls().centres
-    nothing = [Sense(place, Vec3(0.0, 0.0, 0.0), touching=False, sure=False) for place in rest]
+    felt = Felt(Vec3(0.0, 0.0, 0.0), 0.0, touching=False, sure=False)
+    body = BodyInOdom(LEVEL, LEVEL, rest, (True,) * 6, rest, [felt] * 6)
+    nothing = [Sense(felt, place, body) for place in rest]
     twist = Twist(0.02, 0.0, 0.0)
     while min(foot.z for foot in stepping.footfalls().centres) > rest[0].z - 0.02:
         clock.advance(twist, DT, 1.0)
