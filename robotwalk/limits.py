@@ -36,7 +36,7 @@ class Gate:
 
     def reset(self, positions: Sequence[float]) -> None:
         """Start from where the joints are, at rest; from there speed and acceleration are counted."""
-        self._goals = [float(p) for p in positions]
+        self._goals = list(positions)
         self._speeds = [0.0] * len(self._limits)
         if self._collision is not None:
             self._collision.reset()

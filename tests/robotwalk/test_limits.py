@@ -62,6 +62,23 @@ def test_acceleration(by: float, speed: float) -> None:
         assert lazy.cuts == {("knee", "acceleration"): 1}
 
 
+def test_what_is_on_a_limit_is_sent_to_the_last_bit() -> None:
+    """A way and a time that a computer has not exactly: the goal is no sum of them."""
+    met = 0
+    for index in range(1000):
+        start = -0.99 + 0.00197 * index
+        for side in (1.0, -1.0):
+            assert gate(FREE, start).step([side], DT) == (side,)
+            for limit, way in ((SLOW, 0.02), (LAZY, 0.001)):
+                goal = start + side * way
+                if (goal - start) / DT == side * way / DT:
+                    met += 1
+                    held = gate(limit, start)
+                    assert held.step([goal], DT) == (goal,)
+                    assert not held.cuts
+    assert met > 20
+
+
 def test_a_tick_of_twice_the_time_allows_twice_the_way() -> None:
     assert gate(SLOW).step([0.04], 0.02) == (0.04,)
     assert gate(LAZY).step([0.004], 0.02) == (0.004,)
@@ -125,8 +142,11 @@ def test_there_is_a_goal_for_every_joint() -> None:
 
 
 def test_each_joint_is_counted_by_its_name() -> None:
-    gated = Gate(["hip", "knee"], [FREE, SLOW])
+    names, limits = ["hip", "knee"], [FREE, SLOW]
+    gated = Gate(names, limits)
     gated.reset([0.0, 0.0])
+    names.reverse()  # what it was made from is its own
+    limits.reverse()
     gated.step([2.0, 5.0], DT)
     gated.step([2.0, 0.02], DT)
     assert gated.cuts == {("hip", "position"): 2, ("knee", "speed"): 1}

@@ -2,19 +2,24 @@
 
 import itertools
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robotwalk import assembly
+from robotwalk.assembly.session import gate_of
 from robotwalk.capsules import between_segments, to_box
+from robotwalk.config import library
+from robotwalk.kinematics import resting_angles
 from robotwalk.limits import Gate, JointLimit
 from robotwalk.model import RobotModel
 from robotwalk.self_collision import MARGIN, SelfCollision
+from robotwalk.supervisor import State
 from robotwalk.types import Command, Twist, Vec3
+
+from .conftest import Frame, PerfectRobot
 
 DT = 0.01
 FAST, BRAKE = 6.0, 200.0  # rad/s, rad/s^2
@@ -49,6 +54,8 @@ def test_segments_are_as_far_apart_as_their_points(a: Vec3, b: Vec3, c: Vec3, d:
     (Vec3(0.2, 3.0, 0.0), Vec3(0.9, 3.0, 0.0), 3.0),  # parallel
     (Vec3(2.0, 0.0, 0.0), Vec3(5.0, 0.0, 0.0), 1.0),  # in a line
     (Vec3(0.3, 0.4, 0.0), Vec3(0.3, 0.4, 0.0), 0.4),  # a point
+    (Vec3(-3.0, 4.0, 0.0), Vec3(-3.0, 4.0, 0.0), 5.0),  # a point behind
+    (Vec3(4.0, 0.0, 4.0), Vec3(4.0, 0.0, 4.0), 5.0),  # a point ahead
     (Vec3(-3.0, 4.0, 0.0), Vec3(-3.0, 9.0, 0.0), 5.0),  # end to end
 ])
 def test_segments_by_hand(c: Vec3, d: Vec3, distance: float) -> None:
@@ -113,9 +120,13 @@ def test_neighbours_that_swing_at_each_other_stop_short_and_part_again(speed: fl
     way = [0.0] * 18
     way[0], way[3] = 1.0, -1.0
     rest = [j.rest for j in model.joints]
-    goals, least = tuple(rest), math.inf
+    goals, least, rates = tuple(rest), math.inf, [0.0] * 18
     for tick in range(1, int(1.0 / speed / DT) + 1):
+        before, rates_before = goals, rates
         goals = held.step([angle + w * speed * tick * DT for angle, w in zip(rest, way, strict=True)], DT)
+        rates = [(goal - last) / DT for goal, last in zip(goals, before, strict=True)]
+        changes = [abs(rate - last) for rate, last in zip(rates, rates_before, strict=True)]
+        assert max(changes) <= BRAKE * DT + 1e-9, "it brakes no harder than it may"
         if held.cuts or tick % 10 == 0:
             least = min(least, nearest(model, goals))
     assert held.cuts["lf_coxa", "collision"] > 0
@@ -170,8 +181,24 @@ def test_who_is_too_near_at_first_may_part_and_not_come_nearer() -> None:
     assert goals == pytest.approx(rest)
 
 
-def test_a_walk_is_not_cut(robot: Any) -> None:
-    held = gate(robot.model)
-    for frame in robot.walk(Command(Twist(0.1, 0.0, 0.5)), 4.0):
-        assert held.step(frame.wanted.angles, DT) == pytest.approx(tuple(frame.wanted.angles), abs=1e-9)
-    assert not any(what == "collision" for _, what in held.cuts)
+@pytest.mark.parametrize("name", library.names("robots"))
+def test_no_walk_is_cut_in_any_gait_at_full_speed_in_any_direction(name: str) -> None:
+    blueprint = assembly.load(name)
+    model, held = blueprint.model, gate_of(blueprint)
+    robot = PerfectRobot(model, blueprint.gaits, blueprint.default_gait)
+    held.reset(resting_angles(model, 0.5 * model.body_box.z))
+
+    def pass_on(frames: Iterable[Frame]) -> None:
+        for frame in frames:
+            held.step(frame.wanted.angles, robot.dt)
+
+    pass_on(robot.stand_up())
+    robot.state = State.WALK
+    limits = model.motion
+    for gait in [gait for gait in blueprint.gaits if gait not in blueprint.refused]:
+        for index in range(6):
+            angle, turn = math.tau * index / 6, (0.0, limits.turn, -limits.turn)[index % 3]
+            way = Twist(1.5 * limits.speed * math.cos(angle), 1.5 * limits.speed * math.sin(angle), turn)
+            robot.command = Command(way, gait=gait)
+            pass_on(robot.run(0.5))
+    assert {joint for joint, what in held.cuts if what == "collision"} == set()
