@@ -96,6 +96,7 @@ class _Foot:
         self._motors = tuple(
             _Motor(drive.effort_torque, drive.effort_damping, drive.stiffness * drive.friction,
                    drive.stiffness * drive.inertia) for drive in drives)
+        self._frictions = tuple(motor.friction for motor in self._motors)
         self._least = _LEAST * weight
         self._unheard: tuple[_Sample, ...] = ((0.0, 0.0),) * len(self._motors)
         self._last: Sequence[_Sample] = self._unheard
@@ -119,11 +120,13 @@ class _Foot:
             self._doubts = 0
             return Felt(force, load, touching=False, sure=False)
         hidden = feigned = 0.0
-        for motor, (_, before), (_, now), column in zip(self._motors, last, self._last, leg.columns, strict=True):
-            arm = _LEVER * math.hypot(*column) + _DAMPING
-            friction, change = motor.friction / arm, abs(now - before) / arm
-            hidden = friction if friction > hidden else hidden
-            feigned = change if change > feigned else feigned
+        for friction, (_, before), (_, now), (cx, cy, cz) in zip(
+            self._frictions, last, self._last, leg.columns, strict=True,
+        ):
+            arm = _LEVER * math.hypot(cx, cy, cz) + _DAMPING
+            hides, feigns = friction / arm, abs(now - before) / arm
+            hidden = hides if hides > hidden else hidden
+            feigned = feigns if feigns > feigned else feigned
         touching = self._judge(load, self._least + hidden)
         sure = touching and load > self._least + _INERTIA_UNKNOWN * feigned / dt
         return Felt(force, load, touching, sure)

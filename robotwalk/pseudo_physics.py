@@ -45,7 +45,9 @@ class Effort(NamedTuple):
 
 def step_at(sectors: Sequence[Sector], phase: float) -> Step:
     """Return where in its step a foot with these swings is."""
-    begun = min(range(len(sectors)), key=lambda index: (phase - sectors[index].start) % 1.0)
+    begun = 0
+    if len(sectors) > 1:
+        begun = min(range(len(sectors)), key=lambda index: (phase - sectors[index].start) % 1.0)
     sector = sectors[begun]
     since = (phase - sector.start) % 1.0 - sector.length
     if since < 0.0:

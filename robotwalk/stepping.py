@@ -123,9 +123,10 @@ class Stepping:
                 continue
             if foot.spent is not clock.gait.sector_at(index, clock.phase):
                 foot.spent = None
-            sector = due(foot, index, clock.gait, clock.phase)
-            idle = twist == STILL and foot.at_rest(course)
-            if sector is None or idle or hold or not clock.gait.lifts_together(in_air | {index}):
+            sector = None if hold else due(foot, index, clock.gait, clock.phase)
+            if sector is None or (twist == STILL and foot.at_rest(course)):
+                continue
+            if not clock.gait.lifts_together(in_air | {index}):
                 continue
             if self._sharing is not None and not self._sharing.lets_go(foot, self._feet, senses, loads, dt):
                 continue
