@@ -61,18 +61,17 @@ class Controller:
         self._default_gait = default_gait
         self._no_torques = (0.0,) * len(model.joints)
         self._solvers = tuple(solver_for(leg) for leg in model.legs)
-        self._ranges = tuple(Ranges([(joint.lower, joint.upper) for joint in leg.joints]) for leg in model.legs)
         self._clock = GaitClock(gaits[default_gait])
         self._unfold: Unfold | None = None
         self._idle = True
-        self._cramped: list[int] = []  # standing legs that are near the end of a joint's range
+        self._cramped: list[int] = []  # standing legs that near the end of a joint's range
         self._waiting = False  # lift-offs, and the needle, for the body's shift
         self._sit_anew()
 
     def start(self, positions: Sequence[float]) -> None:
         """Take over a seated robot whose joints are at `positions` (rad); it will hold them until it stands."""
         self._sit_anew()
-        seated, _ = self._angles(self._stepping.footfalls())
+        seated, _ = self._angles(self._stepping.footfalls(), 1.0)
         self._unfold = Unfold(positions, seated)
 
     def _sit_anew(self) -> None:
@@ -81,6 +80,7 @@ class Controller:
         self._shaper = VelocityShaper(model.motion)
         self._propulsion = Propulsion(len(model.legs))
         self._body = Body(model.heights.sit)
+        self._ranges = tuple(Ranges([(joint.lower, joint.upper) for joint in leg.joints]) for leg in model.legs)
         self._bearable = Bearable(model)
         self._bearing = Bearing(model)
         self._plumb = Plumb(model.mass)
@@ -132,7 +132,7 @@ class Controller:
         self._pose = self._reaction.step(
             rocked, self._clock, self._footfalls, self._body.course, not self._idle, dt)
         footfalls = self._footfalls = self._step_feet(twist, estimate, dt)
-        angles, reach_error = self._angles(footfalls)
+        angles, reach_error = self._angles(footfalls, dt)
         statics = self._bearing.step(angles, tilted(self._pose, estimate.tilt), footfalls.planted, dt)
         self._loads = statics.loads
         at_rest = self._idle and self._sway.at_rest and self._rocking.at_rest and self._reaction.at_rest
@@ -277,14 +277,14 @@ class Controller:
             None if felt is None or foot is None else Sense(felt, foot, body)
             for felt, foot in zip(estimate.felt, estimate.feet, strict=True)]
 
-    def _angles(self, footfalls: Footfalls) -> tuple[list[float], float]:
+    def _angles(self, footfalls: Footfalls, dt: float) -> tuple[list[float], float]:
         angles: list[float] = []
         miss, self._cramped = 0.0, []
         feet = seen_from(self._pose, footfalls.centres)
         legs = zip(self._solvers, self._ranges, feet, footfalls.planted, strict=True)
         for leg, (solver, ranges, foot, stands) in enumerate(legs):
             solution = solver.solve(*foot)
-            kept = ranges.keep(solution.angles)
+            kept = ranges.keep(solution.angles, dt)
             angles.extend(kept)
             if kept is solution.angles:
                 miss = max(miss, solution.miss)

@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 _SPARE = math.radians(2.5)  # that a joint stays off its limits
 _SOFT_JOINT = math.radians(1.5)  # before that, where it slows down
+_BRAKING = 40.0  # rad/s^2, of a joint that nears it
+_AHEAD = 0.125  # s; braking takes no farther than going on for so long, up to 10 rad/s, which is more than a servo does
 _SOFT = 0.02  # of the way between shortest and longest, at either end
 # A leg stretched to its very end has no speed left along itself; IK stays this far off.
 _MARGIN = 1e-6  # m
@@ -50,22 +52,49 @@ class Reach(NamedTuple):
 
 
 class Ranges:
-    """The ranges of a leg's joints, softened at both ends."""
+    """The ranges of a leg's joints, softened at both ends, which no joint nears faster than it can brake before them.
+
+    A leg is straightened fastest right before it is straight, and is heavy: from there its knee would swing on.
+    """
 
     def __init__(self, limits: Sequence[tuple[float, float]]) -> None:
         """Take each joint's lower and upper limit, rad, from the body to the foot."""
         self._limits = [
             (low, high, min(_SOFT_JOINT, 0.1 * (high - low)), min(_SPARE, 0.02 * (high - low))) for low, high in limits]
         self._free = [(low + soft + spare, high - soft - spare) for low, high, soft, spare in self._limits]
+        self._last: Sequence[float] = ()
+        self._near = False  # some joint was held back
 
-    def keep(self, angles: Sequence[float]) -> Sequence[float]:
-        """Return angles, rad, within the ranges: the same, but for the ends (C1, and never beyond them)."""
-        for angle, (low, high) in zip(angles, self._free, strict=True):
-            if not low <= angle <= high:
-                return [self._kept(index, angle) for index, angle in enumerate(angles)]
+    def keep(self, angles: Sequence[float], dt: float) -> Sequence[float]:
+        """Return angles, rad, within the ranges: the same, but near the ends (C1, and never beyond them).
+
+        They are `dt` s after the last ones.
+        """
+        last, near, ahead = self._last or angles, self._near, _AHEAD / dt
+        for angle, before, (low, high) in zip(angles, last, self._free, strict=True):
+            if not low <= angle + ahead * (angle - before) <= high:
+                near = True
+                break
+        if near:
+            kept = [
+                self._softened(index, self._braked(index, angle, before, dt))
+                for index, (angle, before) in enumerate(zip(angles, last, strict=True))]
+            self._near = kept != list(angles)
+            if self._near:
+                angles = kept
+        self._last = angles
         return angles
 
-    def _kept(self, index: int, angle: float) -> float:
+    def _braked(self, index: int, angle: float, before: float, dt: float) -> float:
+        """Return the angle, or one nearer to the last, from which the joint can still brake within its range."""
+        low, high = self._free[index]
+        room = high - before if angle > before else before - low
+        # A step s leaves room - s >= s^2 / (2 a dt^2).
+        square = _BRAKING * dt * dt
+        most = max(math.sqrt(square * (square + 2.0 * max(room, 0.0))) - square, square)
+        return min(max(angle, before - most), before + most)
+
+    def _softened(self, index: int, angle: float) -> float:
         (low, high), soft = self._free[index], self._limits[index][2]
         if angle > high:
             return high + soft * -math.expm1((high - angle) / soft)
