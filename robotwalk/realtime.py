@@ -16,6 +16,11 @@ _PR_SET_NAME = 15
 _MCL_CURRENT, _MCL_FUTURE = 1, 2  # sys/mman.h
 _LATENCY = "/dev/cpu_dma_latency"
 ISOLATED = "/sys/devices/system/cpu/isolated"
+_M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4  # malloc.h
+_SPARE = 4 << 20  # bytes in advance; a tick makes some ten thousand of them
+_ARENA = 1 << 20  # bytes that Python asks for at once
+_SMALL = 400  # bytes of an object for which it does so
+_kept: list[bytes] = []
 _claims: list[socket.socket] = []  # held until this process ends
 
 
@@ -104,6 +109,19 @@ def lock_memory() -> bool:
     if not (unlimited or os.geteuid() == 0):
         return False
     return bool(ctypes.CDLL(None).mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0)
+
+
+def keep_memory() -> None:
+    """Have this process give no memory back, and get some in advance: each page that it asks for anew is a fault.
+
+    Python asks for a megabyte at a time and gives it back once it is empty, perhaps in every tick. With locked memory
+    one such turn took 0.4 ms here (a virtual machine; 16 ms at the 99th percentile while it was busy). For malloc the
+    real-time Linux wiki tells what keeps it from that; in each of Python's own arenas an object is kept.
+    """
+    libc = ctypes.CDLL(None)
+    libc.mallopt(_M_TRIM_THRESHOLD, -1)
+    libc.mallopt(_M_MMAP_MAX, 0)
+    _kept.extend([bytes(_SMALL) for _ in range(_SPARE // _SMALL)][::_ARENA // _SMALL // 2])
 
 
 def name_process(name: str) -> None:

@@ -3,7 +3,7 @@
 import gc
 
 from robotwalk.doctor import rights
-from robotwalk.realtime import lock_memory, pin, raise_priority, sharpen_timers
+from robotwalk.realtime import keep_memory, lock_memory, pin, raise_priority, sharpen_timers
 
 
 def enter_real_time(awake: bool) -> list[str]:
@@ -11,6 +11,7 @@ def enter_real_time(awake: bool) -> list[str]:
     gc.collect()
     gc.freeze()
     gc.disable()  # nothing in a tick makes cycles
+    keep_memory()
     sharpen_timers()
     alone = pin()
     had = {rights.FIRST: raise_priority(), rights.MEMORY: lock_memory(), rights.AWAKE: awake}
