@@ -82,8 +82,8 @@ class FallConfig(Section):
     """When the robot is taken to have fallen."""
 
     tilt_deg: Annotated[float, Field(gt=10, le=90)] = 45.0  # off level, by an IMU
-    # Of the weight of all but the legs, that their motors should push up, without an IMU; 0: never. In random sequences
-    # robots on their feet came down to 0.45; a fallen one passes below 0.3 within two seconds (docs/safety.md).
+    # Of the weight of all but the legs, that their motors should push up, without an IMU; 0: never. Robots that stood
+    # were below 0.5 for 0.2 s at the most, and 0.5 s below this is a fall (docs/safety.md).
     least_share: Annotated[float, Field(ge=0, lt=1)] = 0.3
 
 
