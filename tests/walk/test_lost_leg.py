@@ -26,7 +26,7 @@ def test_a_hexapod_walks_on_with_five_legs(fault: str, joint: str, tilt_deg: flo
     places: list[float] = []
     with simulation.robot as walker:
         walker.stand()
-        walker.observers += [ticks.append, lambda tick: places.append(simulation.world.truth().base.x)]
+        walker.observers.extend([ticks.append, lambda tick: places.append(simulation.world.truth().base.x)])
         walker.walk(vx=0.10, seconds=17.0, gait="tripod")
         yaw = simulation.world.truth().base.yaw
         assert simulation.world.truth().base.z > 0.09
