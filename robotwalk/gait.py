@@ -76,6 +76,7 @@ class Gait:
         self.feet = tuple(_sectors(config.swing[leg]) for leg in legs)
         self.strides = tuple(config.stride_share * leg.max_stride for leg in model.legs)  # m, the largest
         self._sideways = config.sideways_mps or math.inf
+        self._ahead, self._askew = model.motion.speed, config.askew_mps
         self.longest_stance = tuple(max(sector.stance for sector in sectors) for sectors in self.feet)
         shortest_swing = min(sector.length for sectors in self.feet for sector in sectors)
         self.fastest_period = max(_SLACK * model.motion.min_swing / shortest_swing, config.fastest_period_s or 0.0)
@@ -139,13 +140,27 @@ class Gait:
     def largest_scale(self, twist: Twist, part: float = 1.0) -> float:
         """Return by how much a twist may be multiplied before a leg's stride is too long, even hurrying.
 
-        The longest is a `part` of what it is else. A gait may have a largest speed to a side, too.
+        The longest is a `part` of what it is else. A gait may have a largest speed to a side, and askew, too.
         """
         scale = self._sideways / abs(twist.vy) if abs(twist.vy) > _NO_SPEED else math.inf
+        if self._askew is not None:
+            scale = min(scale, self._askew_scale(twist, self._askew))
         for stride, stance, speed in zip(self.strides, self.longest_stance, self.foot_speeds(twist), strict=True):
             if speed > _NO_SPEED:
                 scale = min(scale, part * stride / (speed * stance * self.fastest_period))
         return scale
+
+    def _askew_scale(self, twist: Twist, askew: float) -> float:
+        """Return by how much a twist may be multiplied before a foot passes over the ground too fast for its direction.
+
+        Velocities end in half an ellipse ahead, as long as the robot's largest speed, and half a circle behind.
+        """
+        vx, vy, wz = twist
+        most = 0.0
+        for x, y in self._rests:
+            ux, uy = vx - wz * y, vy + wz * x
+            most = max(most, math.hypot(ux / (self._ahead if ux > 0.0 else askew), uy / askew))
+        return 1.0 / most if most > 0.0 else math.inf
 
     def period(self, twist: Twist, wanted: float | None = None, part: float = 1.0) -> float:
         """Return the period for a twist, s: the `wanted` or slowest, unless a stride would be longer than its leg's.

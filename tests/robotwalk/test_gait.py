@@ -125,6 +125,21 @@ def test_at_the_largest_scale_the_longest_stride_is_the_largest(
     assert walked.largest_scale(largest) == pytest.approx(1.0)
 
 
+@given(st.floats(-math.pi, math.pi), st.floats(-1.0, 1.0))
+def test_a_gait_may_be_slower_askew_than_ahead(hexapod: RobotModel, direction: float, turn: float) -> None:
+    swing = {leg.name: [(0.0, 0.5)] for leg in hexapod.legs}
+    slow = Gait(GaitConfig.model_validate({
+        "schema": 1, "name": "askew", "description": "", "slowest_period_s": 1.0, "askew_mps": 0.1, "swing": swing}),
+        hexapod)
+    ahead = hexapod.motion.speed
+    assert slow.largest_scale(Twist(ahead, 0.0, 0.0)) == pytest.approx(1.0)
+    assert slow.largest_scale(Twist(-0.1, 0.0, 0.0)) == slow.largest_scale(Twist(0.0, 0.1, 0.0)) == pytest.approx(1.0)
+    twist = Twist(math.cos(direction), math.sin(direction), turn)
+    speeds = slow.foot_speeds(Twist(*(slow.largest_scale(twist) * v for v in twist)))
+    assert max(speeds) <= ahead + 1e-9
+    assert max(speeds) >= 0.1 - 1e-9
+
+
 def test_a_robot_that_stands_still_may_be_scaled_by_anything(gaits: dict[str, Gait]) -> None:
     assert gaits["tripod"].largest_scale(STILL) == math.inf
 
