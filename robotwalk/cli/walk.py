@@ -86,7 +86,7 @@ def walk(
         What goes wrong in the simulation, and when: a YAML file (see `robotwalk list faults`).
     port
         BUS=URL: walk what is on this line, in real time. Once for each bus; imu=URL is the IMU's, feet=URL
-        the foot switches'.
+        the foot switches', stop=URL that of a stop button with a port of its own.
     real
         Open the ports that the robot's file names, or physical ones given by --port. The robot will move.
     hang

@@ -73,7 +73,7 @@ def test_the_button_holds_the_robot_until_it_is_released_and_cleared(
         time.sleep(0.5)
         pressed = time.monotonic()
         board.pressed = True
-        time.sleep(1.5)
+        time.sleep(1.0)
         stays = command("clear").stdout
         assert walk.poll() is None, "the command guards a robot that is held"
         board.pressed = False
