@@ -55,6 +55,7 @@ class StuckJoints:
             self._begin(joints.position)
         anchor, slow, low, high = self._anchor, self._slow, self._low, self._high
         way, trips, rested = self._way, self._trips, self._rested
+        stuck: list[int] = []
         for slot, (goal, torque, here, age, share, step, stiffness) in enumerate(zip(
             goals, torques, joints.position, joints.age, self._share, self._step, self._stiffness, strict=True,
         )):
@@ -76,4 +77,6 @@ class StuckJoints:
                 trips[slot] += 1
             if trips[slot] >= _TRIPS:
                 rested[slot] += 1
-        return tuple([slot for slot, ticks in enumerate(rested) if ticks > self._still])
+                if rested[slot] > self._still:
+                    stuck.append(slot)
+        return tuple(stuck)
