@@ -18,7 +18,7 @@ from hal.servo_line import ServoLine
 from hal.wired import Wired
 from robotwalk.ports import Clock
 
-_PATIENCE = 1_500_000_000  # ns that a servo may be silent; starting takes less
+_PATIENCE = 1_500_000_000  # ns that a servo may be silent, or its limp shaft move; starting takes less
 _TRIES = 5  # at a write
 _GENTLE = (0.2, 0.5, 1.0)  # shares of the torque
 _SETTLING = 5  # ticks between them
@@ -108,7 +108,8 @@ class Revival:
     def _hold(self) -> _Steps:
         """Switch torque on, once its goal is where it is."""
         servo, cyclic = self._servo, self._servo.model.cyclic
-        for _ in range(_TRIES):
+        deadline = self._clock.now() + _PATIENCE
+        while self._clock.now() < deadline:  # a limp leg may still sink
             goal = yield from self._read(cyclic.goal)
             here = yield from self._read(cyclic.position)
             if goal is not None and here is not None and abs(goal - here) <= _NEAR:

@@ -17,6 +17,7 @@ from robotwalk.recorder import Event, Recorder, Row
 from robotwalk.types import Command
 
 SECONDS = 60  # that are kept
+_SLOT = 1024  # bytes, of which a row takes as many as it needs
 _KEPT = 20  # files of one robot; the oldest go
 
 
@@ -42,10 +43,12 @@ class BlackBox:
     def add(self, tick: Tick, command: Command) -> None:
         """Take a tick, and what its driver wanted."""
         seen = tick.estimate
-        # As objects a row would take three times the memory, and have the garbage collector look at a hundred of them.
-        self._rows.append(pickle.dumps(Row(
+        # As objects a row would take more memory, and have the garbage collector look at a hundred of them.
+        row = pickle.dumps(Row(
             tick.time, tick.state, command, tick.wanted.twist, tick.goals, tick.joints, seen.pose, tick.stability,
-            imu=seen.imu, switches=seen.switches), pickle.HIGHEST_PROTOCOL))
+            imu=seen.imu, switches=seen.switches), pickle.HIGHEST_PROTOCOL)
+        # Equally long, or memory would be split ever finer. What follows its end is no matter to pickle.
+        self._rows.append(row.ljust(-(-len(row) // _SLOT) * _SLOT))
 
     def save(self, reason: str, events: Sequence[Event]) -> str:
         """Write all to a new file; return where it is, or why not, in words. Never raises."""

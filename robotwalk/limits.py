@@ -30,13 +30,13 @@ class Gate:
         self._names = tuple(names)
         self._limits = tuple(limits)
         self._collision = collision
-        self._goals: list[float] = []
+        self._goals: Sequence[float] = ()
         self._speeds: list[float] = []
         self.cuts: Counter[tuple[str, str]] = Counter()  # (joint, what) -> goals cut
 
     def reset(self, positions: Sequence[float]) -> None:
         """Start from where the joints are, at rest; from there speed and acceleration are counted."""
-        self._goals = list(positions)
+        self._goals = positions
         self._speeds = [0.0] * len(self._limits)
         if self._collision is not None:
             self._collision.reset()

@@ -1,5 +1,6 @@
 """Servos that let go: the robot lies down, they are brought back, it gets up and goes on. Or it stays down."""
 
+import math
 from dataclasses import replace
 from itertools import groupby
 from typing import Any
@@ -54,6 +55,28 @@ def test_a_servo_that_lets_go_is_brought_back_and_the_walk_goes_on(
     assert bystander.fastest_drop() < 0.2
     assert bystander.sees_it_down()
     assert bystander.joints.beyond == bystander.joints.past_stops == {}
+
+
+def test_a_limp_leg_that_is_shaken_is_taken_over_once_it_is_still() -> None:
+    simulation = assembly.simulate("hexapod", faults=[{**BROWN_OUT, "at": 3.5, "joint": "lm_coxa"}])
+    world = simulation.world.world
+    leg = world.model.body("lm_coxa").id
+    slot = simulation.blueprint.model.joint_names.index("lm_coxa")
+    shaken: list[float] = []
+
+    def shake() -> None:
+        """Turn it to and fro for some seconds, as a person would who looks what is wrong with it."""
+        now = simulation.clock.now() * 1e-9
+        world.data.xfrc_applied[leg, 5] = math.copysign(0.8, math.sin(12.0 * now)) if 5.0 < now < 7.4 else 0.0
+        shaken.append(float(world.data.qvel[6 + slot]))
+
+    simulation.world.observers.append(shake)
+    with simulation.robot as walker:
+        walker.stand()
+        walker.walk(vx=0.05, seconds=7.0)
+    assert max(shaken) > 1.0
+    assert [event.text for event in walker.events if event.kind in ("mend", "legs")][1:] == [
+        "the servo of lm_coxa holds again"]
 
 
 def test_a_servo_that_stays_overloaded_is_given_up_after_so_many_tries() -> None:
