@@ -64,7 +64,7 @@ class Controller:
         self._clock = GaitClock(gaits[default_gait])
         self._unfold: Unfold | None = None
         self._idle = True
-        self._cramped: list[int] = []  # standing legs that near the end of a joint's range
+        self._cramped: list[int] = []  # standing legs that are near the end of a joint's range
         self._waiting = False  # lift-offs, and the needle, for the body's shift
         self._sit_anew()
 
@@ -290,7 +290,7 @@ class Controller:
                 miss = max(miss, solution.miss)
             else:
                 miss = max(miss, math.dist(solver.foot(kept), foot))
-                if stands:
+                if stands and ranges.at_end:
                     self._cramped.append(leg)
         return angles, miss
 

@@ -55,6 +55,9 @@ class Ranges:
     """The ranges of a leg's joints, softened at both ends, which no joint nears faster than it can brake before them.
 
     A leg is straightened fastest right before it is straight, and is heavy: from there its knee would swing on.
+
+    Attributes:
+        at_end: whether some joint is where its range is soft.
     """
 
     def __init__(self, limits: Sequence[tuple[float, float]]) -> None:
@@ -64,6 +67,7 @@ class Ranges:
         self._free = [(low + soft + spare, high - soft - spare) for low, high, soft, spare in self._limits]
         self._last: Sequence[float] = ()
         self._near = False  # some joint was held back
+        self.at_end = False
 
     def keep(self, angles: Sequence[float], dt: float) -> Sequence[float]:
         """Return angles, rad, within the ranges: the same, but near the ends (C1, and never beyond them).
@@ -82,6 +86,8 @@ class Ranges:
             self._near = kept != list(angles)
             if self._near:
                 angles = kept
+        self.at_end = self._near and any(
+            not low <= angle <= high for angle, (low, high) in zip(angles, self._free, strict=True))
         self._last = angles
         return angles
 

@@ -64,13 +64,21 @@ class Stance:
             clock.gait, self._waits(clock.gait, clock.phase, clock.period, course, twist), course, twist)
 
     def _waits(self, gait: Gait, phase: float, period: float, course: Pose, twist: Twist) -> list[float]:
-        """Return how long each standing foot would have to wait for its lift-off, s."""
+        """Return how long each foot would have to wait for its lift-off, or one that searches for ground, s."""
         if gait.free is not None:
             return gait.free.waits(self._feet, course, twist, self.swing_time(gait, period))
         late = max([self._lateness(foot, phase, period) for foot in self._feet if foot.overdue], default=0.0)
-        return [
-            0.0 if foot.sector is not None or due(foot, index, gait, phase) is not None
-            else gait.until_lift_off(index, phase) * period + late for index, foot in enumerate(self._feet)]
+        in_air = {index for index, foot in enumerate(self._feet) if foot.sector is not None} if late > 0.0 else set()
+
+        def wait(index: int, foot: Foot) -> float:
+            if foot.sector is not None:
+                return _SEARCH if foot.search is not None else 0.0
+            if due(foot, index, gait, phase) is None:
+                return gait.until_lift_off(index, phase) * period + late
+            # Its turn is no use while those are late with whom it cannot be in the air.
+            return late if late > 0.0 and not gait.lifts_together(in_air | {index}) else 0.0
+
+        return [wait(index, foot) for index, foot in enumerate(self._feet)]
 
     def _lateness(self, foot: Foot, phase: float, period: float) -> float:
         """Return for how long the needle will have to wait for a foot that is overdue, s, as far as that is known."""
@@ -92,7 +100,7 @@ class Stance:
         strict = gait.free is not None or gait.balance is not None
         for foot, wait in zip(self._feet, waits, strict=True):
             foot.hindering = False
-            if foot.sector is not None:
+            if foot.sector is not None and foot.search is None:
                 continue
             (dx, dy), (ux, uy) = foot.offset(course), passing(foot.leg, twist)
             # Farther where it may stand where it found ground, or wait for others that look for it.
