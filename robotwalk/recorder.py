@@ -61,6 +61,7 @@ class Recorder:
 
     Attributes:
         tape: what is put onto it is recorded.
+        dropped: how many records of a loop elsewhere found no room on their way here.
     """
 
     _TOPICS = (
@@ -81,6 +82,7 @@ class Recorder:
         except OSError as error:
             raise UsageError(f"cannot write the log {path}: {error.strerror}") from error
         self._failure: str | None = None
+        self.dropped = 0
         self._joints = list(joints)
         self._writer = Writer(self._file, chunk_size=_CHUNK)
         self._writer.start(library="robotwalk")
@@ -122,6 +124,9 @@ class Recorder:
                 self._writer.finish()
         except OSError as error:
             self._failure = self._failure or f"the log is incomplete: {error.strerror}"
+        if self.dropped:
+            self._failure = self._failure or (
+                f"the log is incomplete: {self.dropped} of the loop's records found no room on their way to it")
         return self._failure
 
     def _register(self, schema: bytes, topics: Sequence[str]) -> dict[str, int]:

@@ -1,6 +1,6 @@
 """What a loop in a process of its own records: into the mailbox, whence the driver's process writes it to a file.
 
-Where that does not come after, what finds no room is counted and gone; the loop never waits.
+Where that does not come after, what finds no room is counted, told at the end, and gone; the loop never waits.
 """
 
 from collections.abc import Callable
@@ -37,5 +37,7 @@ def emptier(ring: Ring, recorder: Recorder | None) -> Callable[[], None]:
         while (data := ring.take()) is not None:
             if recorder is not None:
                 recorder.take(unpacked(data))
+        if recorder is not None:
+            recorder.dropped = ring.dropped
 
     return empty

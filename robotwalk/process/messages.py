@@ -72,6 +72,5 @@ class Status(NamedTuple):
     statistics: Mapping[str, BusStatistics]
     sensors: Mapping[str, SensorStatistics]  # by the names of their lines
     lacking: Sequence[str]  # what the loop has not been given to keep its deadlines, in words
-    dropped: int  # what found no room on its way to the log
     ended: str | None  # why the loop is no more, in words; "": it was told to end
     doubtful: Sequence[str]  # joints whose torque may still be on then

@@ -268,5 +268,5 @@ class Servant:
         status = Status(
             loop.missed, loop.cuts, loop.digest(), tuple(bus.notes), dict(bus.conditions()), dict(bus.statistics()),
             {line: sensor.statistics() for line, sensor in self._sensors.items()}, self._lacking,
-            self._mailbox.log.dropped, self._ended, tuple(self._doubtful))
+            self._ended, tuple(self._doubtful))
         self._mailbox.status.write(packed(status))

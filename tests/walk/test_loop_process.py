@@ -60,13 +60,27 @@ def command(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([*COMMAND, *words], capture_output=True, text=True, check=False)
 
 
+# Run as any Python begins: a signal gets the loop stuck, in Python, for good.
+STUCK = """
+import signal, sys
+def stuck(number, frame):
+    while True:
+        pass
+if "robotwalk.assembly.loop_process" in sys.orig_argv:
+    signal.signal(signal.SIGUSR1, stuck)
+"""
+
+
 @pytest.mark.parametrize(("robot", "number", "words"), [
     ("hexapod", signal.SIGKILL, r"was killed \(SIGKILL\)"),
     ("quadruped", signal.SIGSTOP, r"gave no sign of life for 0\.\d s"),
+    ("hexapod", signal.SIGUSR1, r"gave no sign of life for 0\.\d s"),
 ])
 def test_the_guardian_takes_over_a_robot_whose_loop_is_gone_in_mid_stride(
-    robot: str, number: int, words: str, tmp_path: Path
+    robot: str, number: int, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    (tmp_path / "sitecustomize.py").write_text(STUCK)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     for device in devices(robot, tmp_path):
         walk = device.start_walking()
         loop = loop_of(walk)

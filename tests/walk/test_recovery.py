@@ -94,6 +94,24 @@ def test_a_servo_that_stays_overloaded_is_given_up_after_so_many_tries() -> None
     assert bystander.sees_it_down()
 
 
+def test_a_quadruped_goes_down_for_good_when_a_joint_is_stuck_and_eases_its_walk_for_the_current_that_takes() -> None:
+    simulation = assembly.simulate("quadruped", faults=[{"at": AT, "fault": "stuck_joint", "joint": "lf_calf"}])
+    bystander = Bystander(simulation)
+    with simulation.robot as walker:
+        walker.stand()
+        with pytest.raises(SafetyStop, match="joint lf_calf is stuck: it does not move as it is sent; torque is off"):
+            walker.walk(vx=0.10, seconds=20.0)
+    assert [event.text for event in walker.events if event.kind == "governor"] == [
+        "slower and lower, for the servo of lf_calf draws 2.6 A, of 3.3 at most"]
+    assert walker.torque_doubt is None
+    assert bystander.largest_tilt() < 15.0
+    assert bystander.fastest_drop() < 0.12
+    simulation.clock.wait((), simulation.clock.now() + 2_000_000_000)  # its leg, limp, sinks on round the jammed joint
+    assert bystander.sees_it_down()
+    assert bystander.joints.beyond == bystander.joints.past_stops == {}
+    assert bystander.safe_after(AT) < 8.0
+
+
 def test_a_quadruped_goes_down_for_good_when_a_servo_is_dead() -> None:
     simulation = assembly.simulate("quadruped", faults=[{"at": AT, "fault": "dead_servo", "joint": "rr_thigh"}])
     bystander = Bystander(simulation)
