@@ -99,6 +99,18 @@ def test_the_quick_bound_is_one_and_who_is_not_looked_at_cannot_meet(name: str, 
             assert between_segments(a, b, c, d) > one.radii[-1] + other.radii[-1]
 
 
+def test_a_foot_is_as_thick_as_its_ball_which_may_be_thicker_than_its_leg() -> None:
+    model = MODELS["quadruped"]
+    (pair,) = [pair for pair in LOOKS["quadruped"].pairs
+               if pair.second is not None and (pair.first.leg.name, pair.second.leg.name) == ("lf", "rf")]
+    assert pair.second is not None
+    angles = [j.rest for j in model.joints]
+    for name, turn in (("lf_hip", -0.2), ("rf_hip", 0.2)):  # foot towards foot
+        angles[model.joint_names.index(name)] += turn
+    feet = math.dist(pair.first.points(angles)[-1], pair.second.points(angles)[-1])
+    assert pair.apart(angles) == pytest.approx(feet - 2.0 * model.foot_radius)
+
+
 def gate(model: RobotModel) -> Gate:
     made = Gate(
         model.joint_names, [JointLimit(j.lower, j.upper, FAST, BRAKE) for j in model.joints],
