@@ -44,8 +44,6 @@ def require_consistent(document: Document, config: RobotConfig) -> None:
             raise document.error(
                 ("locomotion", "reaction", "weights", name), f"no such leg; there are {', '.join(legs)}")
     orientation, levelling = config.locomotion.orientation, config.locomotion.levelling
-    if levelling is not None and levelling.by == "load" and config.locomotion.contact is None:
-        raise document.error(("locomotion", "levelling", "by"), "the feet feel no load without `contact`", levelling.by)
     if levelling is not None and orientation is not None and orientation.share > 0.0:
         raise document.error(
             ("locomotion", "levelling"), "by the IMU or by the feet: this excludes orientation, unless its share is 0")

@@ -5,19 +5,20 @@ without one, or whose switch is unknown, goes by its load.
 
 A motor's torque, less what its friction, back-EMF and inertia take, moves the leg; what the leg's weight does not
 account for, the ground exerts: column_j . F = weight_j - torque_j for every joint j (the transposed Jacobian, by least
-squares). An acceleration is the difference of two measured speeds and holds half way between them, so efforts are
-averaged over the same two samples: the force is that of half a tick ago.
+squares). An acceleration is the difference of two measured speeds, so torques are averaged over the time between the
+two: the force is that of half a tick ago. A motor's effort is no straight line from sample to sample: it jumps when a
+goal comes, soon after the joints are read, and falls off as the joint follows. With the goal G held for most of the
+time, the mean of k (G - q) follows from both efforts and from how far the joint has gone.
 """
 
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from robotwalk.model import RobotModel
+from robotwalk.model import ContactSettings, RobotModel
 from robotwalk.statics import GRAVITY, LegStatics
 from robotwalk.types import DriveResponse, FootSwitch, JointState, Vec3
 
-_CREEP = 0.1  # rad/s, below which a joint's friction is known in part only
 _DAMPING = 0.02  # m; a foot's force along a way that it can hardly move is not told
 
 
@@ -48,10 +49,11 @@ class _Motor(NamedTuple):
     damping: float  # N m s
     friction: float  # N m
     inertia: float  # kg m^2
+    stiffness: float  # N m per rad
 
 
-# A joint's torque, N m, what its inertia takes not yet taken off; and its momentum, N m s.
-_Sample = tuple[float, float]
+# A joint's part in the mean torque since the sample before, and until the next one, N m; and its momentum, N m s.
+_Sample = tuple[float, float, float]
 
 
 class FootSense:
@@ -59,7 +61,9 @@ class FootSense:
 
     def __init__(self, model: RobotModel, drives: Sequence[DriveResponse], *, by_load: bool) -> None:
         """Feel by load and by switches, or by switches alone."""
-        self._feet = tuple((leg.span, _Foot(drives[leg.span], model.mass * GRAVITY)) for leg in model.legs)
+        contact = model.contact
+        assert contact is not None  # else nobody wants to feel
+        self._feet = tuple((leg.span, _Foot(drives[leg.span], model.mass * GRAVITY, contact)) for leg in model.legs)
         self._by_load = by_load
 
     def step(
@@ -92,13 +96,14 @@ class FootSense:
 class _Foot:
     """Feels with one foot."""
 
-    def __init__(self, drives: Sequence[DriveResponse], weight: float) -> None:
+    def __init__(self, drives: Sequence[DriveResponse], weight: float, contact: ContactSettings) -> None:
+        self._goals_after, self._creep = contact.goals_after, contact.creep
         self._motors = tuple(
             _Motor(drive.effort_torque, drive.effort_damping, drive.stiffness * drive.friction,
-                   drive.stiffness * drive.inertia) for drive in drives)
+                   drive.stiffness * drive.inertia, drive.stiffness) for drive in drives)
         self._frictions = tuple(motor.friction for motor in self._motors)
         self._least = _LEAST * weight
-        self._unheard: tuple[_Sample, ...] = ((0.0, 0.0),) * len(self._motors)
+        self._unheard: tuple[_Sample, ...] = ((0.0, 0.0, 0.0),) * len(self._motors)
         self._last: Sequence[_Sample] = self._unheard
         self._touching = False
         self._doubts = 0  # measurements in a row that speak against that
@@ -111,16 +116,16 @@ class _Foot:
         self, efforts: Sequence[float], speeds: Sequence[float], leg: LegStatics, up: Vec3, dt: float
     ) -> Felt | None:
         """Take a sample and return what is felt, if there was one before it, too."""
-        last, self._last = self._last, self._sample(efforts, speeds)
+        last, self._last = self._last, self._sample(efforts, speeds, dt)
         if last is self._unheard:
             return None
-        force = _force(leg, last, self._last, dt)
+        force = _force(leg, last, self._last)
         load = force.x * up.x + force.y * up.y + force.z * up.z
         if not self._touching and load <= self._least:  # whatever friction hides
             self._doubts = 0
             return Felt(force, load, touching=False, sure=False)
         hidden = feigned = 0.0
-        for friction, (_, before), (_, now), (cx, cy, cz) in zip(
+        for friction, (_, _, before), (_, _, now), (cx, cy, cz) in zip(
             self._frictions, last, self._last, leg.columns, strict=True,
         ):
             arm = _LEVER * math.hypot(cx, cy, cz) + _DAMPING
@@ -131,11 +136,17 @@ class _Foot:
         sure = touching and load > self._least + _INERTIA_UNKNOWN * feigned / dt
         return Felt(force, load, touching, sure)
 
-    def _sample(self, efforts: Sequence[float], speeds: Sequence[float]) -> list[_Sample]:
+    def _sample(self, efforts: Sequence[float], speeds: Sequence[float], dt: float) -> list[_Sample]:
         sample: list[_Sample] = []
-        for (torque, damping, friction, inertia), effort, speed in zip(self._motors, efforts, speeds, strict=True):
-            direction = speed / _CREEP if -_CREEP < speed < _CREEP else math.copysign(1.0, speed)
-            sample.append((torque * effort - damping * speed - friction * direction, inertia * speed))
+        early, creep = self._goals_after, self._creep
+        late, held = 1.0 - early, (0.5 - early) * dt
+        for motor, effort, speed in zip(self._motors, efforts, speeds, strict=True):
+            torque, damping, friction, inertia, stiffness = motor
+            direction = speed / creep if -creep < speed < creep else math.copysign(1.0, speed)
+            drive, momentum = torque * effort, inertia * speed
+            resistance = 0.5 * ((damping - held * stiffness) * speed + friction * direction)
+            taken = momentum / dt
+            sample.append((late * drive - resistance - taken, early * drive - resistance + taken, momentum))
         return sample
 
     def _judge(self, load: float, least: float) -> bool:
@@ -148,14 +159,12 @@ class _Foot:
         return self._touching
 
 
-def _force(leg: LegStatics, last: Sequence[_Sample], now: Sequence[_Sample], dt: float) -> Vec3:
+def _force(leg: LegStatics, last: Sequence[_Sample], now: Sequence[_Sample]) -> Vec3:
     """Return the force at a foot that explains best what its joints did between two samples."""
     xx = yy = zz = _DAMPING * _DAMPING
     xy = xz = yz = bx = by = bz = 0.0
-    for (cx, cy, cz), weight, (torque_before, before), (torque, momentum) in zip(
-        leg.columns, leg.weights, last, now, strict=True,
-    ):
-        excess = weight - 0.5 * (torque + torque_before) + (momentum - before) / dt
+    for (cx, cy, cz), weight, (_, before, _), (after, _, _) in zip(leg.columns, leg.weights, last, now, strict=True):
+        excess = weight - before - after
         xx, yy, zz, xy, xz, yz = xx + cx * cx, yy + cy * cy, zz + cz * cz, xy + cx * cy, xz + cx * cz, yz + cy * cz
         bx, by, bz = bx + cx * excess, by + cy * excess, bz + cz * excess
     # Cramer's rule for the symmetric normal equations.

@@ -83,7 +83,8 @@ class Controller:
         self._ranges = tuple(Ranges([(joint.lower, joint.upper) for joint in leg.joints]) for leg in model.legs)
         self._bearable = Bearable(model)
         self._bearing = Bearing(model)
-        self._plumb = Plumb(model.mass)
+        upright = model.orientation is not None and model.orientation.plumb
+        self._plumb = Plumb(model.mass) if upright else None
         self._foot_course = self._body.course  # the body's, brought down its own axis to the ground
         self._stepping = Stepping(model, self._foot_course)
         self._stance = self._stepping.stance
@@ -97,8 +98,7 @@ class Controller:
         self._sway = Sway(model)
         self._rocking = Rocking(model)
         self._reaction = Reaction(model)
-        self._by_load = model.levelling is not None and model.levelling.by == "load"
-        self._levelling = Levelling(model, model.levelling) if model.levelling is not None else None
+        self._levelling = Levelling(model.levelling) if model.levelling is not None else None
         self._steering = Steering()
         self._pose = self._body.pose
 
@@ -126,8 +126,6 @@ class Controller:
         self._turn_needle(twist, bearable, command.period, carriage.part, dt)
         self._waiting = self._balance(pose, twist) or self._shifts(posture)
         swayed = self._sway.step(pose, dt)
-        if self._levelling is not None and self._by_load:
-            swayed = self._levelling.above_feet(swayed)
         rocked = self._rocking.step(swayed, self._clock, not self._idle, dt)
         self._pose = self._reaction.step(
             rocked, self._clock, self._footfalls, self._body.course, not self._idle, dt)
@@ -190,12 +188,11 @@ class Controller:
         return self._clock.gait.tips and self._body.shifted_from(posture) > _BESIDE
 
     def _level(self, pose: Pose, state: State, estimate: Estimate, dt: float) -> Pose:
-        """Keep the body level while it is up, by loads only while they are felt; seated, it lies as the ground does."""
-        settings = self._model.levelling
-        if self._levelling is None or settings is None:
+        """Keep the body level while it is up; seated, it lies as the ground does."""
+        if self._levelling is None:
             return pose
-        known = state in (State.STAND, State.WALK) and (settings.by == "imu" or self._felt)
-        return self._levelling.step(pose, self._pose, estimate.tilt if known else None, dt)
+        up = state in (State.STAND, State.WALK)
+        return self._levelling.step(pose, self._pose, estimate.tilt if up else None, dt)
 
     def _turn_needle(self, twist: Twist, bearable: float, period: float | None, part: float, dt: float) -> None:
         """Turn it by a tick, unless lift-offs have to wait; with the body still and all feet at rest, stop it."""
@@ -240,7 +237,7 @@ class Controller:
 
     def _keep_upright(self, estimate: Estimate, dt: float) -> None:
         """Turn odom, and all that stands in it, upright under the body."""
-        if self._orientation is None or not self._felt:
+        if self._orientation is None or self._plumb is None or not self._felt:
             return
         turn = self._plumb.step(self._pose, estimate.felt, self._footfalls.planted, estimate.imu, dt)
         if turn is not None:
@@ -270,9 +267,7 @@ class Controller:
         if not self._felt:
             return None
         pose, falls = self._pose, self._footfalls
-        body = BodyInOdom(
-            pose, tilted(pose, estimate.tilt if self._by_load else None), falls.stood, falls.planted, estimate.feet,
-            estimate.felt)
+        body = BodyInOdom(pose, falls.stood, falls.planted, estimate.feet, estimate.felt)
         return [
             None if felt is None or foot is None else Sense(felt, foot, body)
             for felt, foot in zip(estimate.felt, estimate.feet, strict=True)]

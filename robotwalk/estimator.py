@@ -23,7 +23,7 @@ class Estimate(NamedTuple):
 
     pose: Pose  # of the base in odom; yaw is not wrapped; roll and pitch are 0 where `tilt` is not known
     standing_feet: int  # that the last step relied on
-    tilt: Tilt | None = None  # of the base against gravity, by the IMU or by the feet's loads
+    tilt: Tilt | None = None  # of the base against gravity, by the IMU
     imu: ImuState | None = None  # None: there is none, or it has not been heard yet
     feet: tuple[Vec3 | None, ...] = ()  # in the base frame, m; None where a joint did not answer
     felt: tuple[Felt | None, ...] = ()  # by each foot; empty where nothing can be felt

@@ -1,25 +1,16 @@
-"""Keeps the body level on ground that is not (ARTH section 5.6; the alternative to following the feet).
+"""Keeps the body level on ground that is not, by an IMU (ARTH section 5.6; the alternative to following the feet).
 
 A correction of the body's roll and pitch has the angular acceleration c1 x error - c2 x angular velocity; the error is
 how much less than wanted the body is tilted against gravity. Wanted is what all other stages tilt the body by. As the
 body does as it is told but for the ground's slope and its legs' give, the correction ends where it makes up for both.
 
-By loads: what the body is tilted more than it was told is the slope of odom: there, what is straight above the feet's
-middle leans uphill. So far the body goes uphill, for its centre of mass to stay above its feet.
-
 Where the tilt is not known both ease back to none, as they do when the robot is to sit down.
 """
 
-import math
-
-from robotwalk.body import placed
-from robotwalk.kinematics import resting_angles
-from robotwalk.model import LevellingSettings, RobotModel
-from robotwalk.support import centre_of_mass
-from robotwalk.types import Pose, Tilt, Vec3
+from robotwalk.model import LevellingSettings
+from robotwalk.types import Pose, Tilt
 
 _AT_REST = 2e-3  # rad, and per s
-_UPHILL = 0.5  # s in which the body goes there
 
 
 class _Correction:
@@ -28,10 +19,9 @@ class _Correction:
     def __init__(self, settings: LevellingSettings) -> None:
         self._settings = settings
         self.value = self.rate = 0.0
-        self.slope = 0.0  # rad, of odom
 
     def step(self, told: float, measured: float | None, dt: float) -> None:
-        c1, c2, limit = self._settings[:3]
+        c1, c2, limit = self._settings
         error = -self.value if measured is None else told - self.value - measured
         # Implicit in the damping: no tick is too long for it.
         self.rate = (self.rate + c1 * error * dt) / (1.0 + c2 * dt)
@@ -39,20 +29,17 @@ class _Correction:
         if abs(self.value) > limit:
             self.value = min(max(self.value, -limit), limit)
             self.rate = 0.0
-        slope = 0.0 if measured is None else min(max(measured - told, -limit), limit)
-        self.slope += (slope - self.slope) * min(dt / _UPHILL, 1.0)
 
     @property
     def at_rest(self) -> bool:
-        return max(abs(self.value), abs(self.rate), abs(self.slope)) <= _AT_REST
+        return max(abs(self.value), abs(self.rate)) <= _AT_REST
 
 
 class Levelling:
     """The correction of one robot's body."""
 
-    def __init__(self, model: RobotModel, settings: LevellingSettings) -> None:
+    def __init__(self, settings: LevellingSettings) -> None:
         self._roll, self._pitch = _Correction(settings), _Correction(settings)
-        self._height = model.heights.stand + centre_of_mass(model, resting_angles(model, model.heights.stand)).z
 
     @property
     def at_rest(self) -> bool:
@@ -72,9 +59,3 @@ class Levelling:
         roll.step(told.roll, None if tilt is None else tilt.roll, dt)
         pitch.step(told.pitch, None if tilt is None else tilt.pitch, dt)
         return Pose(pose.x, pose.y, pose.z, pose.roll + roll.value, pose.pitch + pitch.value, pose.yaw)
-
-    def above_feet(self, pose: Pose) -> Pose:
-        """Return a pose so far uphill that its centre of mass is above the feet that it was above in odom."""
-        ahead, left = -self._height * math.tan(self._pitch.slope), self._height * math.tan(self._roll.slope)
-        x, y = placed(pose, Vec3(ahead, left, 0.0))
-        return pose._replace(x=x, y=y)

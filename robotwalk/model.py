@@ -92,7 +92,6 @@ class LevellingSettings(NamedTuple):
     c1: float  # 1/s^2
     c2: float  # 1/s
     limit: float  # rad
-    by: Literal["imu", "load"] = "imu"
 
 
 class Reactions(NamedTuple):
@@ -126,6 +125,10 @@ class ContactSettings(NamedTuple):
     share_load: bool = False
     sure_after: float = 0.0  # s
     gaits: tuple[str, ...] | None = None  # None: all
+    wait_for_footing: bool = True
+    out_of_turn: bool = True
+    goals_after: float = 0.5  # of a tick
+    creep: float = 0.1  # rad/s
 
 
 class OrientationSettings(NamedTuple):
@@ -137,6 +140,7 @@ class OrientationSettings(NamedTuple):
     frontal_bias: float
     share: float
     in_swing: bool
+    plumb: bool = True
 
 
 class Leads(NamedTuple):
@@ -250,7 +254,7 @@ class RobotModel:
 def _levelling(config: LevellingConfig | None) -> LevellingSettings | None:
     if config is None:
         return None
-    return LevellingSettings(config.c1_per_s2, config.c2_per_s, math.radians(config.limit_deg), config.by)
+    return LevellingSettings(config.c1_per_s2, config.c2_per_s, math.radians(config.limit_deg))
 
 
 def _reactions(config: ReactionConfig, legs: Iterable[str]) -> Reactions:
@@ -264,12 +268,14 @@ def _contact(config: ContactConfig | None) -> ContactSettings | None:
     return None if config is None else ContactSettings(
         config.early_touchdown, config.step_over, _metres(config.reach_down_mm), config.search, config.slip,
         _metres(config.caution_mm), math.inf if config.up_to_mps is None else config.up_to_mps,
-        config.share_load, 1e-3 * config.sure_after_ms, None if config.gaits is None else tuple(config.gaits))
+        config.share_load, 1e-3 * config.sure_after_ms, None if config.gaits is None else tuple(config.gaits),
+        config.wait_for_footing, config.out_of_turn, config.goals_after, config.creep_rad_s)
 
 
 def _orientation(config: OrientationConfig | None) -> OrientationSettings | None:
     return None if config is None else OrientationSettings(
-        config.mode, config.c1_per_s2, config.c2_per_s, config.frontal_bias, config.share, config.in_swing)
+        config.mode, config.c1_per_s2, config.c2_per_s, config.frontal_bias, config.share, config.in_swing,
+        config.plumb)
 
 
 def _metres(millimetres: float) -> float:

@@ -22,6 +22,9 @@ _AS_FELT = 3e-3  # m; ground this near to where it was expected is there
 _BUMP_UNTIL = 0.85  # of a swing; later it is the ground
 _BUMP = 0.1  # of the weight, that pushes a foot back on its way: it is struck
 _STEEP = 0.7  # of a load; pushed back by more than this, a foot would slip off what it struck
+_FIRM = 0.2  # of the weight; a leg that comes down in the air may feign half as much
+_FIRM_FOR = 0.015  # s
+_BEARS = 0.07  # of the weight, on the average: it stands
 _LOST = 0.12  # of the weight, that a foot should bear of which nothing is felt: it has lost its ground
 _LOST_FOR = 0.12  # s of that; loads pass from foot to foot in less
 _STRUCK_FOR = 0.025  # s; gears with backlash jolt, too, but not for long
@@ -66,7 +69,7 @@ class Reflexes:
         foot.struck_for = foot.struck_for + dt if struck else 0.0
         if contact.step_over and foot.struck_for > _STRUCK_FOR:
             self._step_over(foot, sector, sense)
-        elif contact.early_touchdown and swing.progress >= _COMING_DOWN and sense.sure:
+        elif contact.early_touchdown and swing.progress >= _COMING_DOWN and self._lands(foot, sense, dt):
             above = _above(foot, sense)
             if above > _AS_EXPECTED:
                 self._be_surprised(above)
@@ -88,9 +91,12 @@ class Reflexes:
     def go_on_searching(self, foot: Foot, search: Search, dt: float) -> None:
         """Search on, until the foot feels ground or is back where it stood."""
         sense = foot.sense
-        touching = sense is not None and search.feels and (sense.sure or (search.waits and sense.touching))
+        touching = sense is not None and search.feels and sense.sure
         foot.touched_for = foot.touched_for + dt if touching else 0.0
-        if touching and foot.touched_for < search.sure_after:
+        lasting = foot.touched_for >= search.sure_after
+        if sense is not None and search.averages:
+            touching = search.average(sense.push.z, dt) > _BEARS * self._weight or (touching and lasting)
+        elif touching and not lasting:
             return  # keep still: ground stays, a jolt does not
         if sense is not None and touching:
             self._be_surprised(abs(foot.target.z - sense.place.z) - _AS_FELT)
@@ -125,6 +131,16 @@ class Reflexes:
         foot.share = sector.length
         x, y, z = sense.place
         foot.rise(Vec3(x - back * dx, y - back * dy, z), foot.leg.lift + foot.bumps * _HIGHER)
+
+    def _lands(self, foot: Foot, sense: Sense, dt: float) -> bool:
+        """Tell whether a foot on its way down is struck by ground; one that has to be sure, by a load that lasts."""
+        sure_after = self._contact.sure_after
+        if sure_after == 0.0:
+            return sense.sure
+        foot.touched_for = foot.touched_for + dt if sense.sure else 0.0
+        if foot.touched_for <= _FIRM_FOR:
+            return False
+        return foot.touched_for >= sure_after or sense.push.z > _FIRM * self._weight
 
     def _struck(self, foot: Foot, sense: Sense) -> bool:
         """Tell whether something holds a foot back on its way."""

@@ -15,6 +15,7 @@ from robotwalk.swing_paths import SwingPath
 from robotwalk.types import Vec3
 
 _FASTEST = 0.10  # m/s downwards; how deep a foot presses into what it finds in the time that it takes to notice
+_CAREFUL = 0.04  # m/s downwards, of a foot that has to be sure
 _GENTLE = 1.5  # m/s^2
 _JOLT = 0.08  # s
 _CIRCLES = (0.015, 0.030)  # m
@@ -59,6 +60,7 @@ class Search:
         self._swing: Swing | None = None
         self._probes: list[float] = []  # radii still to come
         self._steady_for = _JOLT  # s since it last set off anew
+        self._load = 0.0  # N, averaged
 
     @property
     def feels(self) -> bool:
@@ -71,9 +73,14 @@ class Search:
         return self._settings.sure_after if self.phase is Phase.DOWN else _SURE_AFTER
 
     @property
-    def waits(self) -> bool:
-        """Whether it feels down with a pause at whatever it touches: a leg that keeps still feigns no load."""
+    def averages(self) -> bool:
+        """Whether it feels down, slowly, for a load that lasts, however little of it there is at a time."""
         return self.phase is Phase.DOWN and self._settings.sure_after > 0.0
+
+    def average(self, load: float, dt: float) -> float:
+        """Take in what is felt, N; return its average over the time that a foot has to be sure."""
+        self._load += (load - self._load) * min(dt / self._settings.sure_after, 1.0)
+        return self._load
 
     @property
     def gave_up(self) -> bool:
@@ -92,7 +99,8 @@ class Search:
         self._steady_for += dt
         if self._swing is None:
             left = max(self._settings.reach_down - (self._expected.z - self.place.z), 0.0)
-            self._speed = min(self._speed + _GENTLE * dt, _FASTEST, math.sqrt(2.0 * _GENTLE * left) + _GENTLE * dt)
+            fastest = _CAREFUL if self.averages else _FASTEST
+            self._speed = min(self._speed + _GENTLE * dt, fastest, math.sqrt(2.0 * _GENTLE * left) + _GENTLE * dt)
             self.place = self.place._replace(z=self.place.z - self._speed * dt)
             if self._expected.z - self.place.z >= self._settings.reach_down:
                 self._give_up_below()

@@ -11,23 +11,22 @@ from robotwalk.types import Pose, Vec3
 class BodyInOdom:
     """The body at one moment, as it is told to be: by it, what its joints and feet tell is placed in odom."""
 
-    __slots__ = ("_attitude", "_feet", "_felt", "_give", "_lying", "_planted", "_stood", "_told")
+    __slots__ = ("_attitude", "_feet", "_felt", "_give", "_planted", "_stood", "_told")
 
     def __init__(
-        self, told: Pose, lying: Pose, stood: Sequence[Vec3], planted: Sequence[bool], feet: Sequence[Vec3 | None],
+        self, told: Pose, stood: Sequence[Vec3], planted: Sequence[bool], feet: Sequence[Vec3 | None],
         felt: Sequence[Felt | None],
     ) -> None:
         """Take one moment.
 
         Args:
             told: where the body is told to be.
-            lying: the same, tilted as it is known to be against gravity.
             stood: where each foot was told to stand, or stood last, in odom, m.
             planted: which feet stand.
             feet: where their joints tell that they are, in the base frame, m; None where a joint did not answer.
             felt: by each foot.
         """
-        self._told, self._lying = told, lying
+        self._told = told
         self._stood, self._planted = stood, planted
         self._feet, self._felt = feet, felt
         self._attitude: Attitude | None = None
@@ -36,7 +35,7 @@ class BodyInOdom:
     def along_odom(self, vector: Vec3) -> Vec3:
         """Return a vector of the base frame along odom's axes."""
         if self._attitude is None:
-            self._attitude = Attitude(self._lying)
+            self._attitude = Attitude(self._told)
         return self._attitude.in_odom(vector)
 
     def place(self, foot: Vec3) -> Vec3:

@@ -69,6 +69,8 @@ class Stepping:
         contact, weight = model.contact, model.mass * GRAVITY
         self._reflexes = Reflexes(contact, weight) if contact is not None else None
         shares = contact is not None and contact.share_load
+        self._waits_for_footing = contact is not None and contact.wait_for_footing
+        self._out_of_turn = contact is not None and contact.out_of_turn
         self._sharing = LoadSharing(weight, len(model.legs)) if shares else None
         self._feet = [Foot(leg) for leg in model.legs]
         for foot in self._feet:
@@ -108,8 +110,7 @@ class Stepping:
                 foot.settle(dt)
                 if self._reflexes is not None:
                     self._reflexes.keep_ground(foot, clock.gait.feet[index][0], loads[index], dt)
-        unsure = any(foot.lost_for > 0.0 and foot.borne_for < _PROVEN for foot in self._feet if foot.sector is None)
-        hold = hold or unsure
+        hold = hold or (self._waits_for_footing and self._unsure())
         if self._sharing is not None:
             self._sharing.step(self._feet, senses, loads, dt)
         if clock.gait.free is not None:
@@ -135,9 +136,13 @@ class Stepping:
             self._lift_off(foot, sector, share, clock)
             self._move(index, foot, sector, now)
         # A body that shifts is above its feet for the one whose turn it is, and for no other.
-        if not hold and clock.gait.balance is None:
+        if self._out_of_turn and not hold and clock.gait.balance is None:
             self._relieve(clock, in_air)
         return self.footfalls()
+
+    def _unsure(self) -> bool:
+        """Tell whether a foot that was just set down bears nothing."""
+        return any(foot.lost_for > 0.0 and foot.borne_for < _PROVEN for foot in self._feet if foot.sector is None)
 
     def _relieve(self, clock: GaitClock, in_air: set[int]) -> None:
         """Lift the feet off, out of their turn, that would be over-stretched until it comes; the needle waits."""

@@ -16,8 +16,7 @@ from robotwalk.stability import Stability, stability
 from robotwalk.statics import up_in_base
 from robotwalk.supervisor import State
 from robotwalk.support import Masses
-from robotwalk.tilt_by_load import TiltByLoad
-from robotwalk.types import STILL, Command, FootSwitch, ImuState, JointState, Pose, Tilt
+from robotwalk.types import Command, FootSwitch, ImuState, JointState, Pose, Tilt
 
 
 class Part(NamedTuple):
@@ -42,9 +41,6 @@ class Walker:
         self._masses = Masses(model)
         self._tells_stability = model.tells_stability
         self._sense = sense
-        levelled_by_load = model.levelling is not None and model.levelling.by == "load"
-        self._plumb = TiltByLoad(model) if sense is not None and levelled_by_load else None
-        self._tilt: Tilt | None = None
         self._part = part
         self._wanted = NOTHING_WANTED
 
@@ -71,13 +67,9 @@ class Walker:
         tilt = Tilt(imu.roll, imu.pitch) if imu is not None and imu.valid else None
         felt: tuple[Felt | None, ...] = ()
         if self._sense is not None and wanted.legs and feel:
-            lying = tilted(wanted.pose, tilt if self._plumb is None else self._tilt)
+            lying = tilted(wanted.pose, tilt)
             up = up_in_base(lying.roll, lying.pitch)
             felt = self._sense.step(joints, wanted.legs, up, dt, tuple(switches))
-            if self._plumb is not None:
-                moving = wanted.twist != STILL
-                tilt = self._plumb.step(felt, estimate.feet, centre, wanted.pose, dt if moving else 0.0)
-        self._tilt = tilt
         pose = tilted(estimate.pose, tilt)
         stable = stability(centre, feet, wanted.planted, pose) if self._tells_stability else None
         return Estimate(pose, estimate.standing_feet, tilt, imu, estimate.feet, felt, tuple(switches)), stable

@@ -211,7 +211,7 @@ def build(files: Files) -> Blueprint:
         *stop_input_problems(hardware),
     ):
         raise document.error(("hardware", *path), what, got)
-    if model.levelling is not None and model.levelling.by == "imu" and hardware.imu is None:
+    if model.levelling is not None and hardware.imu is None:
         raise document.error(("locomotion", "levelling"), "this needs an IMU, which hardware: imu does not have")
     used = {joint.servo for joint in hardware.joints.values()}
     kinds = [] if hardware.imu is None else [hardware.imu.kind]

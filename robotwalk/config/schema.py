@@ -153,12 +153,11 @@ class ReactionConfig(Section):
 
 
 class LevellingConfig(Section):
-    """How the body is kept level, by an IMU or by the feet's loads (ARTH section 5.6)."""
+    """How the body is kept level, by an IMU (ARTH section 5.6)."""
 
     c1_per_s2: Annotated[float, Field(gt=0, le=100)] = 36.0  # angular acceleration per angle that it is off
     c2_per_s: Annotated[float, Field(gt=0, le=100)] = 12.0  # and its damping; 2 sqrt(c1) is critical
     limit_deg: Annotated[float, Field(gt=0, le=45)] = 12.0  # of the correction, in roll and in pitch
-    by: Literal["imu", "load"] = "imu"  # load: how the weight lies on the feet, as `contact` feels it
 
 
 class OrientationConfig(Section):
@@ -170,6 +169,7 @@ class OrientationConfig(Section):
     frontal_bias: Annotated[float, Field(ge=0)] = 0.0  # by how much more the front pair counts
     share: Annotated[float, Field(ge=0, le=1)] = 1.0  # of the feet's slope that the body takes on
     in_swing: bool = False  # follow feet in the air, too, not only as they touch down
+    plumb: bool = True  # keep odom upright by what the feet feel, or by an IMU
 
 
 class ContactConfig(Section):
@@ -184,7 +184,13 @@ class ContactConfig(Section):
     share_load: bool = False  # feet that bear less than is due press down, and no foot lifts off before the others bear
     sure_after_ms: Annotated[float, Field(ge=0, le=500)] = 0.0  # for how long a foot below must feel ground to stand
     up_to_mps: Positive | None = None  # of any foot over the ground; faster, it is felt too late. None: always
-    gaits: list[str] | None = None  # in which all this is done, and the body levelled by load. None: all
+    gaits: list[str] | None = None  # in which all this is done. None: all
+    wait_for_footing: bool = True  # no foot lifts off while another one, just set down, bears nothing
+    out_of_turn: bool = True  # a foot that missed its turn, and so holds the body fast, steps out of it
+    # The estimator of loads, fitted to a robot: how long after joints are read the next goals reach their servos, in
+    # ticks, 0.5 being none the wiser; and the speed of a joint below which its friction is known in part only.
+    goals_after: Annotated[float, Field(ge=0, le=1)] = 0.5
+    creep_rad_s: Positive = 0.1
 
 
 class FeedForwardConfig(Section):

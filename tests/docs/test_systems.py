@@ -9,7 +9,13 @@ import pytest
 from robotwalk import assembly
 from robotwalk.config import library
 from robotwalk.config.gait_schema import TimingConfig
-from robotwalk.config.schema import ContactConfig, FeedForwardConfig, LocomotionConfig, ReactionConfig
+from robotwalk.config.schema import (
+    ContactConfig,
+    FeedForwardConfig,
+    LocomotionConfig,
+    OrientationConfig,
+    ReactionConfig,
+)
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "systems.md").read_text()
 ROWS = dict(re.findall(r"^\| `([\w.]+)` \| ([^|]+?) \|", PAGE, re.MULTILINE))
@@ -25,6 +31,7 @@ def _defaults() -> dict[str, Any]:
     parts = {"contact": ContactConfig, "feed_forward": FeedForwardConfig}
     for section, model in parts.items():
         systems |= {f"{section}.{key}": field.default for key, field in model.model_fields.items()}
+    systems["orientation.plumb"] = OrientationConfig.model_fields["plumb"].default
     for key in ("height", "bob", "turn"):
         systems[f"reaction.{key}"] = ReactionConfig.model_fields[key].default
     for key in ("balance", "rocking"):

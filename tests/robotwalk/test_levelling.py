@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import pytest
 
-from robotwalk import assembly
 from robotwalk.levelling import Levelling
 from robotwalk.model import LevellingSettings
 from robotwalk.types import LEVEL, Pose, Tilt
@@ -21,7 +20,7 @@ class Ground:
     def __init__(self, roll: float, pitch: float, late: int = 8) -> None:
         self.roll, self.pitch = roll, pitch
         self.told: deque[Pose] = deque([LEVEL], maxlen=late)
-        self.levelling = Levelling(assembly.load("hexapod").model, SETTINGS)
+        self.levelling = Levelling(SETTINGS)
 
     def settle(self, seconds: float, wanted: Pose = LEVEL, valid: bool = True) -> list[tuple[float, float]]:
         """Return the body's roll and pitch against gravity, tick by tick."""

@@ -158,7 +158,7 @@ def test_a_foot_that_feels_no_more_ends_its_search(hexapod: RobotModel, gaits: d
     stepping, clock = Stepping(hexapod, LEVEL), GaitClock(gaits["wave"])
     rest = stepping.footfalls().centres
     felt = Felt(Vec3(0.0, 0.0, 0.0), 0.0, touching=False, sure=False)
-    body = BodyInOdom(LEVEL, LEVEL, rest, (True,) * 6, rest, [felt] * 6)
+    body = BodyInOdom(LEVEL, rest, (True,) * 6, rest, [felt] * 6)
     nothing = [Sense(felt, place, body) for place in rest]
     twist = Twist(0.02, 0.0, 0.0)
     while min(foot.z for foot in stepping.footfalls().centres) > rest[0].z - 0.02:

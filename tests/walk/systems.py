@@ -54,6 +54,12 @@ TRIALS = (
     Trial("contact.search", "hexapod", {"locomotion.contact.search": False}, terrain="gap_60"),
     Trial("contact.slip", "hexapod", {"locomotion.contact.slip": False}, terrain="loose"),
     Trial("contact", "hexapod", {"locomotion.contact": None, "locomotion.orientation": None}, terrain="stairs_40"),
+    Trial("contact.share_load", "quadruped", {"locomotion.contact.share_load": False}, gait="crawl",
+          terrain="rough_15", speed=0.04),
+    Trial("orientation.plumb", "quadruped", {"locomotion.orientation.plumb": False}, gait="crawl",
+          terrain="ramp_8", speed=0.04),
+    Trial("contact.wait_for_footing", "hexapod", {"locomotion.contact.wait_for_footing": False}, terrain="blocks_60"),
+    Trial("contact.out_of_turn", "hexapod", {"locomotion.contact.out_of_turn": False}, terrain="stairs_40"),
     Trial("orientation", "hexapod", {"locomotion.orientation": None}, terrain="ramp_15"),
     Trial("reaction", "hexapod", {}, {"locomotion.reaction": {"bob": 0.3, "turn": 0.5}}, speed=0.1, seconds=6.0),
     Trial(
