@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 _SPARE = math.radians(2.5)  # that a joint stays off its limits
 _SOFT_JOINT = math.radians(1.5)  # before that, where it slows down
-_BRAKING = 40.0  # rad/s^2, of a joint that nears it
-_AHEAD = 0.125  # s; braking takes no farther than going on for so long, up to 10 rad/s, which is more than a servo does
+_BRAKING = 150.0  # rad/s^2, of a joint that nears it
+_AHEAD = 0.035  # s; braking takes no farther than going on for so long, up to 10 rad/s, which is more than a servo does
 _SOFT = 0.02  # of the way between shortest and longest, at either end
 # A leg stretched to its very end has no speed left along itself; IK stays this far off.
 _MARGIN = 1e-6  # m

@@ -11,7 +11,7 @@ from robotwalk.reach import Ranges
 
 DT = 0.01
 HIGH = 1.0  # rad
-BRAKING = 40.0  # rad/s^2
+BRAKING = 150.0  # rad/s^2
 
 
 def kept(path: list[float]) -> list[float]:

@@ -28,10 +28,13 @@ AHEAD = Command(Twist(0.08, 0.0, 0.0))
 def answers(
     model: RobotModel, gaits: Mapping[str, Gait], gait: str, **gains: Any
 ) -> tuple[list[float], PerfectRobot]:
-    """Walk; return the heights of two turns, and the robot."""
+    """Walk until all has settled; return the heights of two turns, from lift-off to lift-off, and the robot."""
     robot = PerfectRobot(replace(model, reactions=model.reactions._replace(**gains)), gaits)
-    robot.walk(AHEAD._replace(gait=gait), 4.0)
-    return [frame.height for frame in robot.run(3.0)], robot
+    robot.walk(AHEAD._replace(gait=gait), 14.0)
+    frames = list(robot.run(6.0))
+    stands = [frame.wanted.planted[0] for frame in frames]
+    lift_offs = [tick for tick in range(1, len(stands)) if stands[tick - 1] and not stands[tick]]
+    return [frame.height for frame in frames[lift_offs[0]:lift_offs[2]]], robot
 
 
 def swing(values: list[float]) -> float:
@@ -44,12 +47,14 @@ def test_without_gains_the_body_floats(hexapod: RobotModel, gaits: dict[str, Gai
 
 
 def test_pseudo_physics_moves_the_body_and_cancels_in_antiphase(hexapod: RobotModel, gaits: dict[str, Gait]) -> None:
-    heights, _ = answers(hexapod, gaits, "ripple", height=1.0, largest_bob=0.02)
+    front_left = tuple(0.5 if leg.name == "lf" else 0.1 for leg in hexapod.legs)
+    heights, _ = answers(hexapod, gaits, "ripple", height=0.05, weights=front_left, largest_bob=0.02)
     # Half as far with half the gain: it is the feet's motion, scaled.
-    half, _ = answers(hexapod, gaits, "ripple", height=0.5, largest_bob=0.02)
+    half, _ = answers(hexapod, gaits, "ripple", height=0.025, weights=front_left, largest_bob=0.02)
     assert swing(heights) > 2e-3
     assert swing(half) == pytest.approx(0.5 * swing(heights), rel=0.05)
-    assert abs(sum(heights) / len(heights) - hexapod.heights.stand) < 0.1 * swing(heights)
+    assert abs(sum(heights) / len(heights) - hexapod.heights.stand) < 1e-3 * swing(heights)
+    assert swing(answers(hexapod, gaits, "ripple", height=1.0)[0]) < 1e-4
     # Only feet of unequal weight move the body in tripod.
     assert swing(answers(hexapod, gaits, "tripod", height=0.1)[0]) < 5e-4
     weights = tuple(0.3 if leg.name in ("lf", "lr", "rm") else 0.1 / 3 for leg in hexapod.legs)
@@ -59,9 +64,10 @@ def test_pseudo_physics_moves_the_body_and_cancels_in_antiphase(hexapod: RobotMo
 def test_no_answer_is_larger_than_allowed_and_none_jumps(hexapod: RobotModel, gaits: dict[str, Gait]) -> None:
     heights, _ = answers(hexapod, gaits, "ripple", height=50.0, bob=2.0, turn=20.0)
     assert max(abs(height - hexapod.heights.stand) for height in heights) < 0.008 + 1e-6
-    smooth, robot = answers(hexapod, gaits, "ripple", height=0.2, bob=0.5, turn=1.0)
+    _, robot = answers(hexapod, gaits, "ripple", height=0.2, bob=0.5, turn=1.0)
+    smooth = [frame.height for frame in robot.run(3.0)]
     smooth += [frame.height for frame in robot.walk(AHEAD._replace(gait="tripod"), 3.0)]
-    assert max(abs(after - before) for before, after in pairwise(smooth)) < 2e-3
+    assert max(abs(after - before) for before, after in pairwise(smooth)) < 2.5e-3  # m a tick; 2.1 mm from end to end
 
 
 def test_it_stands_as_before_when_it_has_stopped(hexapod: RobotModel, gaits: dict[str, Gait]) -> None:
