@@ -2,12 +2,11 @@
 
     patient    its servo let go: an overload, or it lost power for a moment; or it does not answer
     treatment  once the body is down: `ServoBus.revive`, one after the other
-    given up   it cannot be brought back, or has had as many treatments as the robot's file allows
+    given up   it cannot be brought back, or has had as many treatments of late as the robot's file allows
 
 What cannot be mended so, such as heat, is no case for this.
 """
 
-from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
@@ -29,11 +28,13 @@ NOBODY = Treatment(None, {})
 class Recovery:
     """Looks after the servos of one robot."""
 
-    def __init__(self, joints: Sequence[str], bus: ServoBus, config: RecoveryConfig) -> None:
+    def __init__(self, joints: Sequence[str], bus: ServoBus, config: RecoveryConfig, rate_hz: int) -> None:
         self._joints = tuple(joints)
         self._bus = bus
         self._most = config.tries
-        self._tries: Counter[int] = Counter()
+        self._forget = round(config.forget_after_s * rate_hz)
+        self._tick = 0
+        self._tries: dict[int, list[int]] = {}  # when, by joint
         self._patients: dict[int, str] = {}
         self._revival: tuple[int, Revival] | None = None
         self._lost: dict[int, str] = {}
@@ -66,6 +67,7 @@ class Recovery:
             seated: whether the body is down for them.
             hopeless: those among them that no treatment helps.
         """
+        self._tick += 1
         self._hopeless.update(hopeless)
         if not (found or self._patients):
             return NOBODY
@@ -73,11 +75,12 @@ class Recovery:
         for slot, words in found.items():
             if slot in self._patients or slot in self._lost:
                 continue
-            if self._tries[slot] >= self._most:
+            tried = [tick for tick in self._tries.get(slot, ()) if self._tick - tick < self._forget]
+            if len(tried) >= self._most:
                 tries = f", after {self._most} {'try' if self._most == 1 else 'tries'}" if self._most else ""
                 self._lost[slot] = words + tries
             else:
-                self._tries[slot] += 1
+                self._tries[slot] = [*tried, self._tick]
                 self._patients[slot] = words
                 news.append(("mend", f"lying down: {words}"))
         if seated and self._patients:

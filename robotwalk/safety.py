@@ -56,7 +56,7 @@ class Safety:
         self._governor = Governor(model.joint_names, model.safety.governor, bus.condition)
         self._falls = FallWatch(model, drives, model.safety.fall, 1.0 / rate_hz)
         self._overruns = Overruns(model.safety.overruns, rate_hz)
-        self._recovery = Recovery(model.joint_names, bus, model.safety.recovery)
+        self._recovery = Recovery(model.joint_names, bus, model.safety.recovery, rate_hz)
         self._stuck = StuckJoints(drives, 1.0 / rate_hz, load=model.leads.load)
         self._silent: dict[int, str] = {}  # joints that do not answer, and since when, in words
         self._alerted = Agreement()

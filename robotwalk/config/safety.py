@@ -47,6 +47,7 @@ class RecoveryConfig(Section):
     """How servos that have let go are brought back: the robot lies down for that, and gets up again."""
 
     tries: Annotated[int, Field(ge=0, le=100)] = 3  # with any one servo; 0: it sits down and stays there
+    forget_after_s: Positive = 600.0  # a try
     walk_on_with_legs: Annotated[int, Field(ge=5)] | None = 5  # so many left; None: never without one of them
 
 

@@ -94,7 +94,7 @@ def test_a_servo_that_stays_overloaded_is_given_up_after_so_many_tries() -> None
     assert bystander.sees_it_down()
 
 
-def test_a_quadruped_goes_down_for_good_when_a_joint_is_stuck_and_eases_its_walk_for_the_current_that_takes() -> None:
+def test_a_quadruped_goes_down_for_good_when_a_joint_is_stuck_and_tells_the_current_that_takes() -> None:
     simulation = assembly.simulate("quadruped", faults=[{"at": AT, "fault": "stuck_joint", "joint": "lf_calf"}])
     bystander = Bystander(simulation)
     with simulation.robot as walker:
