@@ -1,6 +1,7 @@
 """NamedTuples as plain tuples and back, by their annotations: what `marshal` takes, much faster than `pickle`."""
 
 import marshal
+import pickle
 import types
 from collections.abc import Callable, Sequence
 from enum import Enum
@@ -17,7 +18,7 @@ class Codec(Generic[Thing]):
     """Packs one class of NamedTuples.
 
     Their fields may be numbers, strings, literals, booleans, Enums, NamedTuples, `X | None`, and tuples or sequences of
-    one kind, which come back as tuples.
+    one kind, which come back as tuples. A tuple of who knows what is pickled: compiled code does not tell (mypyc).
     """
 
     def __init__(self, kind: type[Thing]) -> None:
@@ -51,6 +52,8 @@ def _changes(kind: Any) -> _Changes | None:
     arguments = get_args(kind)
     if kind in (int, float, str, bool, bytes) or get_origin(kind) is Literal:
         return None
+    if kind is tuple:
+        return _Changes(pickle.dumps, pickle.loads)
     if get_origin(kind) in (Union, types.UnionType):
         (inner,) = (argument for argument in arguments if argument is not type(None))
         return _optional(_changes(inner))

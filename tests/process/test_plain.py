@@ -28,6 +28,18 @@ class Odd(NamedTuple):
     by_name: Mapping[str, float]
 
 
+class Erased(NamedTuple):
+    """As mypyc leaves one."""
+
+    items: tuple  # type: ignore[type-arg]
+
+
+def test_a_tuple_of_who_knows_what_comes_back_too() -> None:
+    codec = Codec(Erased)
+    erased = Erased((Erased(()), 1.0, None))
+    assert codec.unpack(codec.pack(erased)) == erased
+
+
 class Mixed(NamedTuple):
     pair: tuple[str, float]
 
