@@ -132,6 +132,11 @@ class Body:
             self.pose = composed(self.course, leaning)
         return self.pose
 
+    @property
+    def carried(self) -> float:
+        """How high the body is carried over its feet, m."""
+        return self.height.value + self._posture[2].value
+
     def shifted_from(self, posture: Pose) -> float:
         """Return how far the body is from the place that a posture has for it, m."""
         x, y, *_ = self._posture

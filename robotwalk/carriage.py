@@ -6,7 +6,7 @@ that is balanced only by its motion has nothing to spare.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from typing import NamedTuple
 
 from robotwalk.body import seen_from
@@ -52,7 +52,7 @@ class Bearable:
         self._model = model
         self._solvers = tuple(solver_for(leg) for leg in model.legs)
         self._centre = centre_of_mass(model, resting_angles(model, model.heights.stand))
-        self._asked: tuple[float, Pose, Gait | None] | None = None
+        self._asked: tuple[float, Pose, Set[Gait]] | None = None
         self._aim = self._now = Carriage(model.heights.stand, LEVEL, MOST_ROOM)
         self._step = self._widening = 0.0  # share of the way, to the aim and to the most room
         self._sway = 0.0  # m
@@ -61,15 +61,15 @@ class Bearable:
         self._start = self._now._replace(room=_LEAST_ROOM)
         self._spare = next((spare for spare in _SPARES if self._reaches(self._start, spare)), -math.inf)
 
-    def step(self, height: float, posture: Pose, gait: Gait | None) -> Carriage:
-        """Return how to carry the body, m and rad, in a gait, or None while all feet stand."""
-        asked = height, posture, gait
+    def step(self, height: float, posture: Pose, gaits: Set[Gait]) -> Carriage:
+        """Return how to carry the body, m and rad, in these gaits, any of them; none while all feet stand."""
+        asked = height, posture, gaits
         if asked != self._asked:
             self._asked = asked
-            self._sway = self._sway_of(gait)
+            self._sway = max(map(self._sway_of, gaits), default=0.0)
             while self._sway > _NO_SWAY and not self._reaches(self._start, self._spare):
                 self._sway *= 0.5
-            share = _largest(lambda share: self._holds(_shifted(posture, share), gait))
+            share = _largest(lambda share: self._holds(_shifted(posture, share), gaits))
             self._aim = Carriage(height, _shifted(posture, share), MOST_ROOM)
             self._step, self._widening = 1.0, 1.0
             self._retreat()
@@ -107,9 +107,9 @@ class Bearable:
         else:
             self._widening *= 0.5
 
-    def _sway_of(self, gait: Gait | None) -> float:
+    def _sway_of(self, gait: Gait) -> float:
         """Return how far about a gait shifts the body over the feet that stand, m."""
-        if gait is None or gait.balance is None:
+        if gait.balance is None:
             return 0.0
         if gait not in self._sways:
             rest = [leg.rest_foot for leg in self._model.legs]
@@ -136,7 +136,7 @@ class Bearable:
                         return False
         return True
 
-    def _holds(self, posture: Pose, gait: Gait | None) -> bool:
+    def _holds(self, posture: Pose, gaits: Set[Gait]) -> bool:
         """Tell whether the centre of mass is well over the feet that stand, or near enough to where it is level."""
         x, y, z = self._centre
         cr, sr = math.cos(posture.roll), math.sin(posture.roll)
@@ -147,15 +147,14 @@ class Bearable:
         leaning = Vec3(posture.x + cy * x - sy * y, posture.y + sy * x + cy * y, z)
         return all(
             beyond_edge(feet, leaning) <= max(beyond_edge(feet, self._centre) + _OFF_LINE, -_MARGIN)
-            for feet in self._standing(gait))
+            for feet in self._standing(gaits))
 
-    def _standing(self, gait: Gait | None) -> list[list[Vec3]]:
+    def _standing(self, gaits: Set[Gait]) -> list[list[Vec3]]:
         """Return the feet that stand together, at rest; a gait that shifts the body over them does so anyhow."""
         rest = [leg.rest_foot for leg in self._model.legs]
-        if gait is None or gait.balance is not None:
-            return [rest]
-        return [
+        return [rest] + [
             [foot for foot, stands in zip(rest, support.standing, strict=True) if stands]
+            for gait in gaits if gait.balance is None
             for support in gait.supports if any(support.standing)]
 
 

@@ -66,6 +66,8 @@ class Controller:
         self._idle = True
         self._cramped: list[int] = []  # standing legs that are near the end of a joint's range
         self._waiting = False  # lift-offs, and the needle, for the body's shift
+        self._shifting = False  # the body to its place, before a dynamic gait sets off
+        self._landing = False  # the feet, before a dynamic gait is left; none lifts off
         self._sit_anew()
 
     def start(self, positions: Sequence[float]) -> None:
@@ -113,7 +115,7 @@ class Controller:
         gait = self._gaits[command.gait or self._default_gait]
         carriage = self._carriage(state, command, gait)
         height, posture = carriage.height, carriage.posture
-        shaped, bearable = self._shape(state, command, estimate, gait, carriage.part, dt)
+        shaped, bearable = self._shape(state, command, estimate, gait, carriage, dt)
         # While a body shifts, its joints give to changing loads, and odometry sees turns that are none.
         held = (
             command.heading is not None or self._clock.gait.balance is not None or not self._model.holds_course)
@@ -126,7 +128,7 @@ class Controller:
         self._turn_needle(twist, bearable, command.period, carriage.part, dt)
         self._waiting = self._balance(pose, twist) or self._shifts(posture)
         swayed = self._sway.step(pose, dt)
-        rocked = self._rocking.step(swayed, self._clock, not self._idle, dt)
+        rocked = self._rocking.step(swayed, self._clock, self._body.carried, not self._idle, dt)
         self._pose = self._reaction.step(
             rocked, self._clock, self._footfalls, self._body.course, not self._idle, dt)
         footfalls = self._footfalls = self._step_feet(twist, estimate, dt)
@@ -142,9 +144,10 @@ class Controller:
             barriers=self._barriers.near, barred=self._barred)
 
     def _shape(
-        self, state: State, command: Command, estimate: Estimate, gait: Gait, part: float, dt: float
+        self, state: State, command: Command, estimate: Estimate, gait: Gait, carriage: Carriage, dt: float
     ) -> tuple[Shaped, float]:
         """Return the twist to walk with, and the share of the feasible one that the standing feet can bear."""
+        part = carriage.part
         asked = command.twist if state is State.WALK else STILL
         self._barred = self._barriers.step(self._body.course, asked, self._footfalls.giving_up)
         twist = asked if self._barred is None else STILL
@@ -156,16 +159,33 @@ class Controller:
         aim = self._shaper.feasible(twist, gait, part)
         self._fastest_foot = max(gait.foot_speeds(aim))
         share = bearable = self._stance.bearable(self._clock, course, aim)
-        # A slower gait takes over once the body is slow enough for it.
-        if gait is not self._clock.gait and gait.largest_scale(now, part) >= 1.0 - _ROUNDING:
-            ready = self._stance.change_gait(self._clock, gait, course, now)
-            if ready < 1.0 and aim != STILL:  # slow down until it is
-                share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
+        ready = self._change_gait(gait, carriage, course, now)
+        if ready < 1.0 and aim != STILL:  # slow down until it is
+            share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
         brake = bool(self._cramped) and self._stance.fall_behind(self._cramped, course, now)
         if self._footfalls.searching or brake:
             share = 0.0
         pushes = self._propulsion.step(self._clock, self._footfalls.planted, self._idle)
-        return self._shaper.step(twist, gait, dt, share, pushes=pushes, part=part, brake=brake), bearable
+        sideways = self._clock.gait.sideways_acceleration
+        shaped = self._shaper.step(twist, gait, dt, share, pushes=pushes, part=part, brake=brake, sideways=sideways)
+        return shaped, bearable
+
+    def _change_gait(self, gait: Gait, carriage: Carriage, course: Pose, now: Twist) -> float:
+        """Go over to another gait; return the share of the present twist at which the feet could.
+
+        A slower one takes over once the body is slow enough for it. A dynamic one begins with the body in its place,
+        and ends on all feet: on those that stand in mid-rock the body would go on and over.
+        """
+        clock = self._clock
+        self._landing = False
+        if gait is clock.gait or gait.largest_scale(now, carriage.part) < 1.0 - _ROUNDING:
+            return 1.0
+        ready, phase = self._stance.entry(clock, gait, course, now)
+        if ready >= 1.0 and (self._idle or not gait.dynamic or self._body.shifted_from(carriage.posture) <= _BESIDE):
+            self._landing = clock.gait.dynamic and not all(self._footfalls.planted)
+            if not self._landing:
+                clock.change(gait, phase)
+        return ready
 
     def _carriage(self, state: State, command: Command, gait: Gait) -> Carriage:
         """Return the height and the posture to go for; down only once the feet are at rest."""
@@ -175,7 +195,9 @@ class Controller:
         height = heights.stand if command.height is None else command.height
         height = min(max(height, heights.lowest), heights.highest)
         walks = not self._idle or (state is State.WALK and command.twist != STILL)
-        granted = self._bearable.step(height, command.posture, gait if walks else None)
+        # Until the gait has changed, the posture must do for both.
+        gaits = {self._clock.gait, gait} if walks else set()
+        granted = self._bearable.step(height, command.posture, gaits)
         # On the way to it the body is carried as before, in part.
         if self._body.settled(height, granted.posture):
             self._stance.room = granted.room
@@ -184,8 +206,10 @@ class Controller:
         return Carriage(height=granted.height, posture=granted.posture, room=self._stance.room)
 
     def _shifts(self, posture: Pose) -> bool:
-        """Tell whether the body must not yet tip, for it is still beside its place."""
-        return self._clock.gait.tips and self._body.shifted_from(posture) > _BESIDE
+        """Tell whether the body must not yet tip, for it is still beside its place; under way, it must go on."""
+        self._shifting = (
+            self._shifting and self._clock.gait.dynamic and self._body.shifted_from(posture) > _BESIDE)
+        return self._shifting
 
     def _level(self, pose: Pose, state: State, estimate: Estimate, dt: float) -> Pose:
         """Keep the body level while it is up; seated, it lies as the ground does."""
@@ -203,6 +227,7 @@ class Controller:
         self._idle = still and self._stance.settled(self._foot_course, anywhere=anywhere)
         if was_idle and not self._idle:
             self._clock.rewind()
+            self._shifting = True
         elif not self._idle and not self._waiting and not self._footfalls.late:
             self._clock.advance(twist, dt, bearable, period, part)
 
@@ -252,9 +277,9 @@ class Controller:
         up, plane = up_axis(self._pose), FLAT
         if self._orientation is not None:
             plane = self._orientation.plane.seen_at(self._body.course, self._foot_course.x, self._foot_course.y)
+        hold = self._waiting or self._landing
         return self._stepping.step(
-            self._clock, self._foot_course, twist, dt, hold=self._waiting, up=up, senses=senses, plane=plane,
-            loads=self._loads)
+            self._clock, self._foot_course, twist, dt, hold=hold, up=up, senses=senses, plane=plane, loads=self._loads)
 
     def _senses(self, estimate: Estimate) -> list[Sense | None] | None:
         """Return what the feet feel in odom, by where the body is told to be."""

@@ -76,6 +76,7 @@ class Gait:
         self.feet = tuple(_sectors(config.swing[leg]) for leg in legs)
         self.strides = tuple(config.stride_share * leg.max_stride for leg in model.legs)  # m, the largest
         self._sideways = config.sideways_mps or math.inf
+        self.sideways_acceleration = config.sideways_mps2 or math.inf  # m/s^2
         self._ahead, self._askew = model.motion.speed, config.askew_mps
         self.longest_stance = tuple(max(sector.stance for sector in sectors) for sectors in self.feet)
         shortest_swing = min(sector.length for sectors in self.feet for sector in sectors)
@@ -91,6 +92,7 @@ class Gait:
         self.supports = self._supports()
         # In between, fewer than three feet stand: the body tips, the longer the farther.
         self.tips = min(sum(support.standing) for support in self.supports) < 3
+        self.dynamic = self.tips or self.rocking > 0.0  # balanced only by its motion
         # None: the needle tells when a foot lifts off
         self.free: FreeStepping | None = None
         if isinstance(config, SteppingCircles):

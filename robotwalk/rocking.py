@@ -40,8 +40,8 @@ class Rocking:
 
     def __init__(self, model: RobotModel) -> None:
         self._legs = model.legs
-        centre = centre_of_mass(model, resting_angles(model, model.heights.stand))
-        self._rate = math.sqrt(_GRAVITY / (model.heights.stand + centre.z))
+        self._centre = centre_of_mass(model, resting_angles(model, model.heights.stand))
+        self._rate = 0.0  # rad/s, w
         self._share = Ramp(0.0, 1.0, _ENTRY)
         self._gait: Gait | None = None
         self._pressures: list[_Pressure] = []
@@ -54,11 +54,12 @@ class Rocking:
         """Tell whether the body is on its course."""
         return math.hypot(*self._shift) <= _AT_REST
 
-    def step(self, pose: Pose, clock: GaitClock, active: bool, dt: float) -> Pose:
-        """Advance by `dt` s; return the body's pose, rocked as far as the gait asks for it."""
+    def step(self, pose: Pose, clock: GaitClock, height: float, active: bool, dt: float) -> Pose:
+        """Advance by `dt` s, the body carried at a height, m; return its pose, rocked as far as the gait asks."""
         wanted = clock.gait.rocking if active else 0.0
         if wanted == 0.0 and self._shift == (0.0, 0.0):
             return pose
+        self._rate = math.sqrt(_GRAVITY / (height + self._centre.z))
         share = self._share.step(wanted, dt)
         if clock.gait is not self._gait:
             self._gait, self._pressures = clock.gait, self._pressures_of(clock.gait)

@@ -31,11 +31,10 @@ class Stance:
         self._min_swing = min_swing
         self.room = MOST_ROOM
 
-    def change_gait(self, clock: GaitClock, gait: Gait, course: Pose, twist: Twist) -> float:
-        """Go on with another gait as soon as the standing feet can wait for their turns in it.
+    def entry(self, clock: GaitClock, gait: Gait, course: Pose, twist: Twist) -> tuple[float, float]:
+        """Return at which share of the twist, 0 to 1, the standing feet could wait for their turns in another gait.
 
-        Returns:
-            The share of the twist, 0 to 1, at which they could; at 1 the change is made.
+        Second comes the phase from which to go on in it.
         """
         candidates = sorted({*gait.starts, *(index / 12.0 for index in range(12))})
 
@@ -49,10 +48,7 @@ class Stance:
             return stretch
 
         phase = min(candidates, key=longest_stretch)
-        share = self._bearable(gait, self._waits(gait, phase, clock.period, course, twist), course, twist)
-        if share >= 1.0:
-            clock.change(gait, phase)
-        return share
+        return self._bearable(gait, self._waits(gait, phase, clock.period, course, twist), course, twist), phase
 
     def bearable(self, clock: GaitClock, course: Pose, twist: Twist) -> float:
         """Return the share of a twist, 0 to 1, at which no standing foot is over-stretched before its turn.

@@ -83,12 +83,12 @@ class VelocityShaper:
 
     def step(
         self, wanted: Twist, gait: Gait, dt: float, hold_back: float = 1.0, *, pushes: bool = True, part: float = 1.0,
-        brake: bool = False,
+        brake: bool = False, sideways: float = math.inf,
     ) -> Shaped:
         """Advance by `dt` s towards `wanted`, or a share of it while the feet cannot follow.
 
         While no foot `pushes` the twist stays as it is, but for a stop, or feet that cannot follow. The robot may
-        `brake` more firmly than it sets off.
+        `brake` more firmly than it sets off. To a side it goes with an acceleration of `sideways`, m/s^2, at most.
         """
         aim = self.feasible(wanted, gait, part)
         scale = self._feasible[1]
@@ -103,6 +103,7 @@ class VelocityShaper:
         excess = max(
             math.hypot(dx, dy) / (self._limits.acceleration * firmly),
             abs(dw) / (self._limits.turn_acceleration * firmly),
+            abs(dy) / (sideways * firmly),
         )
         if excess <= 1.0:
             self._twist = aim

@@ -29,6 +29,7 @@ class TimingConfig(Section):
     stride_share: Annotated[float, Field(gt=0, le=1)] = 1.0  # of each leg's largest stride, that the gait may take
     sideways_mps: Positive | None = None  # the fastest that the body may go to a side; None: as ahead
     askew_mps: Positive | None = None  # the fastest that a foot may pass over the ground but ahead; None: as ahead
+    sideways_mps2: Positive | None = None  # the most that the body may speed up to a side; None: as ahead
     balance: BalanceConfig | None = None  # None: the body keeps to its course
     rocking: Annotated[float, Field(ge=0, le=1)] = 0.0  # share of what would keep the body from tipping; 0: none
 

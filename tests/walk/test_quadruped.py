@@ -6,9 +6,11 @@ from typing import Any
 import pytest
 
 from robotwalk import assembly
+from robotwalk.types import Command, Pose, Twist
 
 from . import rig
 from .rig import TURN
+from .soak.sequences import Driver, Episode
 
 
 def walk(robot: str | assembly.Blueprint = "quadruped", **plan: Any) -> dict[str, Any]:
@@ -91,6 +93,22 @@ def test_it_goes_over_from_trot_to_crawl_and_back() -> None:
         for gait, speed in (("trot", 0.12), ("crawl", 0.04), ("trot", 0.12), ("crawl", -0.03)):
             robot.walk(vx=speed, seconds=3.0, gait=gait)
     assert max(tilts) < math.radians(10.0)
+
+
+def test_a_pace_is_turned_back_and_left_with_another_posture() -> None:
+    simulation = assembly.simulate("quadruped", seed=3)
+    leaning = Pose(-0.029, 0.008, 0.016, math.radians(10.0), math.radians(5.0), math.radians(-5.0))
+    aside = Pose(0.0, 0.029, 0.0, 0.0, math.radians(-4.5), math.radians(5.0))
+    tilts = []
+    with simulation.robot as robot:
+        robot.stand()
+        robot.observers.append(lambda tick: tilts.append(max(
+            abs(simulation.world.truth().base.roll), abs(simulation.world.truth().base.pitch))))
+        robot.follow(Driver([
+            Episode(2.0, Command(Twist(0.0, -0.06, 0.0), gait="pace")),
+            Episode(2.3, Command(Twist(0.0, 0.06, 0.0), gait="pace", posture=leaning)),
+            Episode(1.2, Command(Twist(0.0, 0.06, 0.0), gait="wave", posture=aside))]), seconds=5.5)
+    assert max(tilts) < math.radians(18.0)  # it leans by 10; it fell
 
 
 def test_it_starts_seated_torque_off_well_inside_its_limits() -> None:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from .run import Outcome
 
 # m of slip in a step, the 95th percentile
-# m of slip in a step, the 95th percentile
 BOUNDS = {"hexapod": 5e-3, "quadruped": 7e-3, "octopod": 5e-3, "pentapod": 5e-3}
 
 
