@@ -24,7 +24,8 @@ class Figures(NamedTuple):
     touchdowns: int
     delay_ms: float  # median, from MuJoCo's contact to the tick that tells of it
     missed: int
-    false: int  # touchdowns felt of which there were none
+    false: int  # touchdowns felt of which there were none, of the foot nor of its leg
+    shins: int  # felt while another part of the leg touched something
     slips: int
     noticed: int
 
@@ -35,6 +36,7 @@ class _Foot:
     def __init__(self) -> None:
         self.felt: list[bool] = []
         self.touched: list[bool] = []
+        self.leaned: list[bool] = []  # some other part of its leg did
         self.planted: list[bool] = []
         self.places: list[Vec3] = []
 
@@ -46,10 +48,18 @@ def measure(robot: str, terrain: str, *, speed: float, seconds: float, seed: int
     feet = [_Foot() for _ in simulation.blueprint.model.legs]
     geoms = [world.model.geom(f"{leg.name}_foot").id for leg in simulation.blueprint.model.legs]
 
+    names = [leg.name for leg in simulation.blueprint.model.legs]
+    leg_of = {
+        geom: names.index(name.split("_")[0]) for geom in range(world.model.ngeom)
+        if (name := world.model.geom(geom).name).split("_")[0] in names and geom not in geoms}
+
     def watch(tick: Tick) -> None:
         if not tick.estimate.felt:
             return
         contacts = simulation.world.truth().contacts
+        leaning = {leg_of.get(geom) for contact in world.data.contact for geom in (contact.geom1, contact.geom2)}
+        for index, foot in enumerate(feet):
+            foot.leaned.append(index in leaning)
         for foot, felt, touched, planted, geom in zip(
             feet, tick.estimate.felt, contacts, tick.wanted.planted, geoms, strict=True,
         ):
@@ -68,7 +78,7 @@ def measure(robot: str, terrain: str, *, speed: float, seconds: float, seed: int
 
 def _figures(feet: list[_Foot], tick_ms: float) -> Figures:
     delays: list[int] = []
-    touchdowns = missed = false = slips = noticed = 0
+    touchdowns = missed = false = shins = slips = noticed = 0
     for foot in feet:
         for t in range(_APART, len(foot.felt) - _WINDOW):
             if all(foot.touched[t:t + _APART]) and not any(foot.touched[t - _APART:t]):
@@ -79,7 +89,9 @@ def _figures(feet: list[_Foot], tick_ms: float) -> Figures:
                 else:
                     delays.append(felt)
             if all(foot.felt[t:t + 2]) and not any(foot.felt[t - _APART:t]):
-                false += not any(foot.touched[t - 2:t + 2])
+                none = not any(foot.touched[t - 2:t + 2])
+                shins += none and any(foot.leaned[t - 2:t + 2])
+                false += none and not any(foot.leaned[t - 2:t + 2])
         moved, since = 0.0, 0
         for t in range(1, len(foot.felt) - _NOTICED):
             standing = foot.touched[t] and foot.planted[t] and foot.planted[t - 1]
@@ -90,7 +102,7 @@ def _figures(feet: list[_Foot], tick_ms: float) -> Figures:
                 noticed += any(not foot.felt[k] for k in range(since, t + _NOTICED) if foot.planted[k])
                 moved, since = 0.0, t
     delay = statistics.median(delays) * tick_ms if delays else math.nan
-    return Figures(touchdowns, delay, missed, false, slips, noticed)
+    return Figures(touchdowns, delay, missed, false, shins, slips, noticed)
 
 
 if __name__ == "__main__":
