@@ -80,7 +80,8 @@ class Foot:
         self.lost_for = self.touched_for = self.borne_for = 0.0
 
     def turn(self, turn: Turn) -> None:
-        """Stay where it is in the body's frame while odom is turned."""
+        """Stay where it is below the body while odom is turned; at rest, it may then be beside its rest position."""
+        self.found = True
         at_target = self.place is self.target
         self.place, self.stood, self.target = turn.of(self.place), turn.of(self.stood), turn.of(self.target)
         if at_target:

@@ -21,10 +21,10 @@ def assert_sound(report: dict[str, Any]) -> None:
     rig.assert_sound(report, tilt_deg=10.0)
 
 
-def assert_straight(report: dict[str, Any], metres: float, tolerance: float) -> None:
+def assert_straight(report: dict[str, Any], metres: float, tolerance: float, turned: float = 8.0) -> None:
     assert_sound(report)
     assert report["distance_m"] == pytest.approx(metres, rel=tolerance)
-    assert abs(report["heading_change_deg"]) < 8.0
+    assert abs(report["heading_change_deg"]) < turned
 
 
 def test_it_trots_if_nothing_is_said() -> None:
@@ -56,7 +56,8 @@ def test_it_turns_on_the_spot_in_trot(sign: int) -> None:
 def test_so_it_does_with_other_servos_than_its_files_say(seed: int) -> None:
     robot = rig.varied("quadruped", seed, 0.15)
     assert_straight(walk(robot, seed=seed, speed=0.15), 1.5, 0.15)
-    assert_straight(walk(robot, seed=seed, speed=0.04, gait="crawl"), 0.4, 0.12)
+    # Its course is not held: odometry is not to be trusted while the body shifts.
+    assert_straight(walk(robot, seed=seed, speed=0.04, gait="crawl"), 0.4, 0.12, turned=10.0)
     turned = walk(robot, seed=seed, turn=TURN, duration=6.0)
     assert_sound(turned)
     assert turned["heading_change_deg"] == pytest.approx(120.0, rel=0.15)
@@ -68,6 +69,13 @@ def test_backwards_and_sideways_it_stays_up_and_roughly_on_course(gait: str, spe
     report = walk(speed=speed, gait=gait, direction=math.radians(degrees))
     assert_sound(report)
     assert report["distance_m"] == pytest.approx(10.0 * speed, rel=0.20)
+
+
+def test_it_stops_soon_after_it_crawled_to_a_side_though_odom_is_turned_under_its_feet() -> None:
+    report = walk(speed=0.04, gait="crawl", direction=math.radians(-90))
+    assert_sound(report)
+    assert not [event for event in report["events"] if event["kind"] == "timeout"]
+    assert report["ticks"] < 1900
 
 
 @pytest.mark.parametrize("height", [0.135, 0.18])
