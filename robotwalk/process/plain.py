@@ -8,6 +8,7 @@ from enum import Enum
 from typing import Any, Generic, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 _Change = Callable[[Any], Any]
+_UNTOLD = (tuple, Sequence, type, object)
 _FORMAT = 2  # the last without references to what came before: finding them takes longer than writing it twice
 
 
@@ -18,7 +19,7 @@ class Codec(Generic[Thing]):
     """Packs one class of NamedTuples.
 
     Their fields may be numbers, strings, literals, booleans, Enums, NamedTuples, `X | None`, and tuples or sequences of
-    one kind, which come back as tuples. A tuple of who knows what is pickled: compiled code does not tell (mypyc).
+    one kind, which come back as tuples. What an annotation does not tell is pickled: compiled code tells less (mypyc).
     """
 
     def __init__(self, kind: type[Thing]) -> None:
@@ -52,7 +53,7 @@ def _changes(kind: Any) -> _Changes | None:
     arguments = get_args(kind)
     if kind in (int, float, str, bool, bytes) or get_origin(kind) is Literal:
         return None
-    if kind is tuple:
+    if kind in _UNTOLD:
         return _Changes(pickle.dumps, pickle.loads)
     if get_origin(kind) in (Union, types.UnionType):
         (inner,) = (argument for argument in arguments if argument is not type(None))

@@ -32,11 +32,12 @@ class Erased(NamedTuple):
     """As mypyc leaves one."""
 
     items: tuple  # type: ignore[type-arg]
+    thing: object
 
 
 def test_a_tuple_of_who_knows_what_comes_back_too() -> None:
     codec = Codec(Erased)
-    erased = Erased((Erased(()), 1.0, None))
+    erased = Erased((Erased((), None), 1.0, None), Erased((), 2))
     assert codec.unpack(codec.pack(erased)) == erased
 
 
