@@ -9,6 +9,7 @@ from robotwalk.body import Body, placed, seen_from, up_axis
 from robotwalk.carriage import MOST_ROOM, Bearable, Carriage
 from robotwalk.estimator import Estimate, tilted
 from robotwalk.gait import Gait, GaitClock
+from robotwalk.gait_change import GaitChange
 from robotwalk.kinematics import solver_for
 from robotwalk.levelling import Levelling
 from robotwalk.model import RobotModel
@@ -27,9 +28,7 @@ from robotwalk.types import LEVEL, STILL, Command, Pose, Twist, Vec3
 from robotwalk.unfold import Unfold
 from robotwalk.velocity import Propulsion, Shaped, VelocityShaper
 
-_BESIDE = 5e-3  # m
 _HEADING_GAIN = 2.0  # rad/s per rad off the heading
-_ROUNDING = 1e-9
 
 
 class Wanted(NamedTuple):
@@ -66,8 +65,6 @@ class Controller:
         self._idle = True
         self._cramped: list[int] = []  # standing legs that are near the end of a joint's range
         self._waiting = False  # lift-offs, and the needle, for the body's shift
-        self._shifting = False  # the body to its place, before a dynamic gait sets off
-        self._landing = False  # the feet, before a dynamic gait is left; none lifts off
         self._sit_anew()
 
     def start(self, positions: Sequence[float]) -> None:
@@ -90,6 +87,7 @@ class Controller:
         self._foot_course = self._body.course  # the body's, brought down its own axis to the ground
         self._stepping = Stepping(model, self._foot_course)
         self._stance = self._stepping.stance
+        self._change = GaitChange(self._clock, self._body, self._stance)
         self._orientation = Orientation(model, model.orientation) if model.orientation is not None else None
         self._footfalls = self._stepping.footfalls()
         self._loads: Sequence[float] = ()
@@ -126,7 +124,7 @@ class Controller:
         over_ground = self._over_ground(self._body.step(twist, height, posture, dt, still=still), dt)
         pose = self._level(over_ground, state, estimate, dt)
         self._turn_needle(twist, bearable, command.period, carriage.part, dt)
-        self._waiting = self._balance(pose, twist) or self._shifts(posture)
+        self._waiting = self._balance(pose, twist) or self._change.waits(posture)
         swayed = self._sway.step(pose, dt)
         rocked = self._rocking.step(swayed, self._clock, self._body.carried, not self._idle, dt)
         self._pose = self._reaction.step(
@@ -159,7 +157,8 @@ class Controller:
         aim = self._shaper.feasible(twist, gait, part)
         self._fastest_foot = max(gait.foot_speeds(aim))
         share = bearable = self._stance.bearable(self._clock, course, aim)
-        ready = self._change_gait(gait, carriage, course, now)
+        ready = self._change.step(
+            gait, now, course, carriage.posture, part, planted=self._footfalls.planted, idle=self._idle)
         if ready < 1.0 and aim != STILL:  # slow down until it is
             share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
         brake = bool(self._cramped) and self._stance.fall_behind(self._cramped, course, now)
@@ -169,23 +168,6 @@ class Controller:
         sideways = self._clock.gait.sideways_acceleration
         shaped = self._shaper.step(twist, gait, dt, share, pushes=pushes, part=part, brake=brake, sideways=sideways)
         return shaped, bearable
-
-    def _change_gait(self, gait: Gait, carriage: Carriage, course: Pose, now: Twist) -> float:
-        """Go over to another gait; return the share of the present twist at which the feet could.
-
-        A slower one takes over once the body is slow enough for it. A dynamic one begins with the body in its place,
-        and ends on all feet: on those that stand in mid-rock the body would go on and over.
-        """
-        clock = self._clock
-        self._landing = False
-        if gait is clock.gait or gait.largest_scale(now, carriage.part) < 1.0 - _ROUNDING:
-            return 1.0
-        ready, phase = self._stance.entry(clock, gait, course, now)
-        if ready >= 1.0 and (self._idle or not gait.dynamic or self._body.shifted_from(carriage.posture) <= _BESIDE):
-            self._landing = clock.gait.dynamic and not all(self._footfalls.planted)
-            if not self._landing:
-                clock.change(gait, phase)
-        return ready
 
     def _carriage(self, state: State, command: Command, gait: Gait) -> Carriage:
         """Return the height and the posture to go for; down only once the feet are at rest."""
@@ -205,12 +187,6 @@ class Controller:
             self._stance.room = min(self._stance.room, granted.room)
         return Carriage(height=granted.height, posture=granted.posture, room=self._stance.room)
 
-    def _shifts(self, posture: Pose) -> bool:
-        """Tell whether the body must not yet tip, for it is still beside its place; under way, it must go on."""
-        self._shifting = (
-            self._shifting and self._clock.gait.dynamic and self._body.shifted_from(posture) > _BESIDE)
-        return self._shifting
-
     def _level(self, pose: Pose, state: State, estimate: Estimate, dt: float) -> Pose:
         """Keep the body level while it is up; seated, it lies as the ground does."""
         if self._levelling is None:
@@ -227,7 +203,7 @@ class Controller:
         self._idle = still and self._stance.settled(self._foot_course, anywhere=anywhere)
         if was_idle and not self._idle:
             self._clock.rewind()
-            self._shifting = True
+            self._change.set_off()
         elif not self._idle and not self._waiting and not self._footfalls.late:
             self._clock.advance(twist, dt, bearable, period, part)
 
@@ -277,7 +253,7 @@ class Controller:
         up, plane = up_axis(self._pose), FLAT
         if self._orientation is not None:
             plane = self._orientation.plane.seen_at(self._body.course, self._foot_course.x, self._foot_course.y)
-        hold = self._waiting or self._landing
+        hold = self._waiting or self._change.landing
         return self._stepping.step(
             self._clock, self._foot_course, twist, dt, hold=hold, up=up, senses=senses, plane=plane, loads=self._loads)
 
