@@ -2,6 +2,7 @@
 
 import os
 from difflib import get_close_matches
+from functools import cache
 from pathlib import Path
 from typing import Literal
 
@@ -12,6 +13,7 @@ from robotwalk.errors import UsageError
 Kind = Literal["robots", "servos", "imus", "gaits", "terrains"]
 
 
+@cache
 def root() -> Path:
     """Return the folder of the bundled files: inside the package where installed, beside it in a checkout."""
     package = Path(__file__).resolve().parents[1]
@@ -27,11 +29,13 @@ def names(kind: Kind) -> list[str]:
 def open_document(kind: Kind, name: str) -> Document:
     """Read a bundled file by its name, or any file by its path; one of a servo together with what it is based on.
 
+    A bundled file is read once; nobody may change what is in it.
+
     Raises:
         UsageError: nothing of that name is bundled.
         ConfigError: the file cannot be read or is no YAML.
     """
-    return _open_servo(name, ()) if kind == "servos" else Document.read(_path(kind, name))
+    return _read(kind, name, ()) if is_path(name) else _open_bundled(kind, name)
 
 
 def beside(robot: str, kind: Kind) -> dict[str, Document]:
@@ -52,30 +56,31 @@ def folder(path: Path, kind: Kind) -> dict[str, Document]:
     return {file.stem: open_document(kind, str(file)) for file in sorted(path.glob("*.yaml"))}
 
 
-def _open_servo(name: str, derived: tuple[str, ...]) -> Document:
-    """Read a servo's file; `derived` are those that are based on it."""
-    document = Document.read(_path("servos", name))
-
-    def open_base(base: str) -> Document:
-        if base in (*derived, name):
-            raise document.error(("base",), "a file cannot be based on itself", base)
-        try:
-            return _open_servo(base, (*derived, name))
-        except UsageError as error:
-            raise document.error(("base",), str(error)) from error
-
-    return inheritance.resolve(document, open_base)
-
-
-def _path(kind: Kind, name: str) -> Path:
-    if is_path(name):
-        return Path(name)
+@cache  # what ships with the package stays as it is
+def _open_bundled(kind: Kind, name: str) -> Document:
     bundled = names(kind)
     if name not in bundled:
         near = get_close_matches(name, bundled, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"bundled are: {', '.join(bundled)}"
         raise UsageError(f"no {kind.removesuffix('s')} is named {name!r}; {hint}")
-    return root() / kind / f"{name}.yaml"
+    return _read(kind, str(root() / kind / f"{name}.yaml"), ())
+
+
+def _read(kind: Kind, path: str, derived: tuple[str, ...]) -> Document:
+    """Read a file; `derived` are those that are based on it."""
+    document = Document.read(Path(path))
+    if kind != "servos":
+        return document
+
+    def open_base(base: str) -> Document:
+        if base in (*derived, path):
+            raise document.error(("base",), "a file cannot be based on itself", base)
+        try:
+            return _read(kind, base, (*derived, path)) if is_path(base) else _open_bundled(kind, base)
+        except UsageError as error:
+            raise document.error(("base",), str(error)) from error
+
+    return inheritance.resolve(document, open_base)
 
 
 def calibration_path(robot: str) -> Path:

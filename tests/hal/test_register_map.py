@@ -1,5 +1,6 @@
 """What a servo file may not say, and how values become bytes."""
 
+from copy import deepcopy
 from typing import Any
 
 import pytest
@@ -15,7 +16,7 @@ SERVO = load_servo("xl430-w250")
 
 def content() -> dict[str, Any]:
     """Return what the servo's file says, anew."""
-    found: dict[str, Any] = library.open_document("servos", "xl430-w250").value(())
+    found: dict[str, Any] = deepcopy(library.open_document("servos", "xl430-w250").value(()))
     return found
 
 
