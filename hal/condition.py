@@ -11,6 +11,7 @@ from typing import NamedTuple
 from hal.encoding import decoder
 from hal.protocol import GroupReply, ServoProtocol
 from hal.register_map import Register
+from hal.supply import SupplyShares
 from hal.wired import Wired
 from robotwalk.types import Measured, ServoCondition, ServoLimits
 
@@ -60,10 +61,12 @@ class ConditionRota:
         limp: the slots of servos that said that their torque is off.
         gathered: the reads, by slot, that bring a servo's whole condition from where it was gathered.
         tripped: the slots whose bus watchdog has tripped, or may have; see `rearm`.
+        supply: how the voltages that servos told compare to the rated ones.
     """
 
     def __init__(self, protocol: ServoProtocol, servos: Sequence[Wired]) -> None:
         self.tripped: set[int] = set()
+        self.supply = SupplyShares()
         self._rearmed: set[int] = set()  # since the last read was sent
         self._servos = tuple(servos)
         self._turns: deque[Probe] = deque()
@@ -92,12 +95,14 @@ class ConditionRota:
         for place in [place for place in self._counts if place[0] == slot]:
             del self._counts[place], self._measured[place]
         self._conditions.pop(slot, None)
+        self.supply.forget(slot)
         self.limp.discard(slot)
         self.tripped.discard(slot)
 
     def forget(self) -> None:
         """Forget all that was read: torque was off then, or the servo was another."""
         self.tripped.clear()
+        self.supply = SupplyShares()
         self._hurried.clear()
         self._counts.clear()
         self._measured.clear()
@@ -136,6 +141,9 @@ class ConditionRota:
         for name, counts in told.items():
             self._counts[slot, name] = counts
             self._measured[slot, name] = Measured(counts * model[name].si_scale, now)
+        volts = model.cyclic.telemetry.voltage
+        if volts in told:
+            self.supply.note(probe.servo, self._measured[slot, volts].value)
         self._conditions.pop(slot, None)
         if self._counts.get((slot, torque), 1):
             self.limp.discard(slot)

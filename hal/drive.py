@@ -8,8 +8,8 @@ def response(model: ServoModel) -> DriveResponse:
     """Return the small-signal response of a servo's position loop at its rated voltage and default gain.
 
     The loop makes a spring of stiffness k = kt V / R x (duty per rad) against the armature; back-EMF and
-    viscous friction damp it, Coulomb friction holds it back. Its effort is a current, or else the duty cycle, in
-    which back-EMF has a share.
+    viscous friction damp it, Coulomb friction holds it back. Its effort is a current, or else the duty cycle, at its
+    rated voltage (`hal.supply`), in which back-EMF has a share.
     """
     loop, motor = model.position_loop, model.motor
     gain = model[loop.proportional].default or 0
@@ -17,7 +17,7 @@ def response(model: ServoModel) -> DriveResponse:
     rated = model.specification.rated
     stiffness = motor.torque_constant_nm_per_a / motor.resistance_ohm * rated.voltage_v * duty_per_rad
     effort = model[model.cyclic.effort]
-    if effort.unit == "mA":
+    if model.effort_is_current:
         amperes = model.cyclic.effort_full_scale * effort.si_scale
         effort_torque, effort_damping = motor.torque_constant_nm_per_a * amperes, motor.friction.viscous_nms
     else:

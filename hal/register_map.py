@@ -76,6 +76,11 @@ class ServoModel(Row):
         return Block(tuple(sorted((self[name] for name in names), key=lambda register: register.address)))
 
     @property
+    def effort_is_current(self) -> bool:
+        """Whether its effort is a current, and so tells of torque whatever the supply; else it is a duty cycle."""
+        return self[self.cyclic.effort].unit == "mA"
+
+    @property
     def lock(self) -> Register | None:
         """The register that must be 0 for the EEPROM to keep what is written; None: it always does."""
         return self.by_name.get("lock")

@@ -14,7 +14,7 @@ class Sample(NamedTuple):
 
     position: float  # rad
     velocity: float  # rad/s
-    effort: float  # share of the largest output
+    effort: float  # share of the largest output at the present supply
 
 
 def sample_decoder(servo: Wired) -> Callable[[bytes], Sample]:

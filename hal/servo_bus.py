@@ -298,6 +298,7 @@ class SerialServoBus:
         position, velocity, effort = self._position, self._velocity, self._effort
         heard, valid = self._heard, self._valid
         for line in self._lines:
+            supply = line.cycle.watch.rota.supply.by_slot
             for slot, sample in line.cycle.outcome.items():
                 if sample is None:
                     valid[slot] = False
@@ -305,7 +306,8 @@ class SerialServoBus:
                     if not (valid[slot] or self._paused) and line.watchdogs.may_have_tripped(
                             slot, (now - heard[slot]) / _NS):
                         line.cycle.watch.rota.tripped.add(slot)
-                    position[slot], velocity[slot], effort[slot] = sample
+                    position[slot], velocity[slot], driven = sample
+                    effort[slot] = driven * supply.get(slot, 1.0)
                     valid[slot], heard[slot] = True, now
         age = tuple([(now - then) / _NS for then in heard])
         for line in self._lines:

@@ -62,7 +62,7 @@ class JointState(NamedTuple):
 
     A joint that did not answer when it was last asked keeps its last values; `valid` is then False and `age` grows.
     Where a bus takes several ticks to ask everybody, `age` grows in between, too. Effort is a share of the servo's
-    largest output, -1 to 1: a duty cycle or a current, as the servo measures.
+    largest output: a current, or a duty cycle as it would be at the servo's rated voltage.
     """
 
     position: tuple[float, ...]  # rad

@@ -41,9 +41,13 @@ class _Foot:
         self.places: list[Vec3] = []
 
 
-def measure(robot: str, terrain: str, *, speed: float, seconds: float, seed: int = 0) -> Figures:
-    """Walk and compare."""
+def measure(
+    robot: str, terrain: str, *, speed: float, seconds: float, seed: int = 0, supply_v: float | None = None
+) -> Figures:
+    """Walk and compare; with another supply than the servos are rated for, V, if one is given."""
     simulation = assembly.simulate(robot, terrain=terrain, seed=seed)
+    if supply_v is not None:
+        simulation.world.physics.supply_v[:] = supply_v
     world = simulation.world.world
     feet = [_Foot() for _ in simulation.blueprint.model.legs]
     geoms = [world.model.geom(f"{leg.name}_foot").id for leg in simulation.blueprint.model.legs]

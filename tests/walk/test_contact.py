@@ -11,8 +11,9 @@ from . import contact_rig, rig
 walk = partial(rig.walk, "hexapod")
 
 
-def test_touchdowns_are_felt_soon_and_hardly_any_that_are_none() -> None:
-    figures = contact_rig.measure("hexapod", "rough_30", speed=0.06, seconds=8.0)
+@pytest.mark.parametrize("supply_v", [None, 8.0])  # None: the servos' rated 11.1 V
+def test_touchdowns_are_felt_soon_and_hardly_any_that_are_none(supply_v: float | None) -> None:
+    figures = contact_rig.measure("hexapod", "rough_30", speed=0.06, seconds=8.0, supply_v=supply_v)
     assert figures.touchdowns >= 20
     assert figures.delay_ms <= 40.0
     assert figures.missed <= 0.2 * figures.touchdowns
