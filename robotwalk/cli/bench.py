@@ -1,12 +1,13 @@
 """`robotwalk bench`: measured here and now, beside a named reference."""
 
 import time
-from typing import Annotated, Any
+from typing import Any
 
-from cyclopts import App, Parameter
+from cyclopts import App
 
 from robotwalk import assembly
 from robotwalk.cli.course import course
+from robotwalk.cli.options import Flag, Json, Rate, RobotName
 from robotwalk.cli.output import progress_line, say, write_json
 from robotwalk.command_check import LONGEST_WALK
 from robotwalk.errors import UsageError
@@ -17,19 +18,16 @@ app = App(name="bench", help="Measure the tick, the loop, the bus, the simulatio
 app.command(course)
 
 _STANDING_UP_S = 3.0  # roughly; only the progress line relies on it
-Json = Annotated[bool, Parameter(name="--json", negative="", help="one JSON object on stdout")]
 
 
 @app.command
-def tick(robot: str = "hexapod", /, *, rate: int = assembly.RATE_HZ, seconds: float = 10.0, json: Json = False) -> None:
+def tick(
+    robot: RobotName = "hexapod", /, *, rate: Rate = assembly.RATE_HZ, seconds: float = 10.0, json: Json = False
+) -> None:
     """Time the whole tick, command in and goals out, while the robot walks in simulation.
 
     Parameters
     ----------
-    robot
-        A bundled name or a YAML file.
-    rate
-        Ticks per second.
     seconds
         How long to walk.
     """
@@ -45,15 +43,11 @@ def tick(robot: str = "hexapod", /, *, rate: int = assembly.RATE_HZ, seconds: fl
 
 
 @app.command
-def sim(robot: str = "hexapod", /, *, rate: int = 200, seconds: float = 10.0, json: Json = False) -> None:
+def sim(robot: RobotName = "hexapod", /, *, rate: Rate = 200, seconds: float = 10.0, json: Json = False) -> None:
     """Time the whole simulated robot, bytes and servos included, beside MuJoCo's bare mj_step on the same model.
 
     Parameters
     ----------
-    robot
-        A bundled name or a YAML file.
-    rate
-        Ticks per second.
     seconds
         How long to walk.
     """
@@ -71,7 +65,7 @@ def sim(robot: str = "hexapod", /, *, rate: int = 200, seconds: float = 10.0, js
 
 @app.command
 def bus(
-    robot: str = "hexapod", /, *, rate: int = assembly.RATE_HZ, baud: int | None = None, seconds: float = 5.0,
+    robot: RobotName = "hexapod", /, *, rate: Rate = assembly.RATE_HZ, baud: int | None = None, seconds: float = 5.0,
     json: Json = False,
 ) -> None:
     """Time the exchange with fake servos on wire-timed pseudo terminals, beside the vendor's SDK.
@@ -82,10 +76,6 @@ def bus(
 
     Parameters
     ----------
-    robot
-        A bundled name or a YAML file.
-    rate
-        Exchanges per second.
     baud
         Of all buses, in place of the robot's own.
     seconds
@@ -124,8 +114,8 @@ def bus(
 
 @app.command
 def loop(
-    robot: str = "hexapod", /, *, rate: int = assembly.RATE_HZ, seconds: float = 20.0,
-    busy: Annotated[bool, Parameter(negative="")] = False, json: Json = False,
+    robot: RobotName = "hexapod", /, *, rate: Rate = assembly.RATE_HZ, seconds: float = 20.0,
+    busy: Flag = False, json: Json = False,
 ) -> None:
     """Time the whole loop, walking a simulated robot in another process over terminals with the wire's timing.
 
@@ -134,10 +124,6 @@ def loop(
 
     Parameters
     ----------
-    robot
-        A bundled name or a YAML file.
-    rate
-        Ticks per second.
     seconds
         How long to walk, and how long to measure each of the others.
     busy

@@ -1,11 +1,10 @@
 """`robotwalk check`: everything about a robot that can be judged without moving it."""
 
 import math
-from typing import Annotated, Any, NamedTuple
-
-from cyclopts import Parameter
+from typing import Any, NamedTuple
 
 from robotwalk import assembly, checks
+from robotwalk.cli.options import Json, RobotName
 from robotwalk.cli.output import say, write_json, write_table
 from robotwalk.plausibility import Plausibility
 
@@ -13,23 +12,13 @@ _TIGHT = math.radians(2.0)  # a joint this near its limit is worth a warning
 _BUSY = 0.8  # of a tick that the bus may take
 
 
-def check(
-    robot: str,
-    /,
-    *,
-    rate: int = assembly.RATE_HZ,
-    json: Annotated[bool, Parameter(negative="")] = False,
-) -> int:
+def check(robot: RobotName, /, *, rate: int = assembly.RATE_HZ, json: Json = False) -> int:
     """Check a robot's files: schema, reach, joint margin, balance, and the bus's time at the rate.
 
     Parameters
     ----------
-    robot
-        A bundled name, or the path of a YAML file.
     rate
         Ticks per second that the bus shall carry.
-    json
-        One JSON object on stdout.
     """
     assembly.check_rate(rate)
     blueprint = assembly.load(robot, calibrated=True)

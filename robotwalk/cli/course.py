@@ -6,17 +6,14 @@ from concurrent.futures import ProcessPoolExecutor
 from itertools import product
 from multiprocessing import get_context
 from statistics import median
-from typing import Annotated, Any, NamedTuple
-
-from cyclopts import Parameter
+from typing import Any, NamedTuple
 
 from robotwalk import assembly
+from robotwalk.cli.options import Flag, Json, Names, RobotName
 from robotwalk.cli.outing import Outing, Plan, require_possible
 from robotwalk.cli.output import progress_line, write_json, write_table
 from robotwalk.config import library
 from robotwalk.errors import SafetyStop, UsageError
-
-Names = Annotated[list[str] | None, Parameter(negative="")]
 
 
 class Trial(NamedTuple):
@@ -45,9 +42,9 @@ class Result(NamedTuple):
 
 
 def course(
-    robot: str = "hexapod", /, *, terrain: Names = None, gait: Names = None, speed: float = 0.06,
-    seconds: float = 20.0, seeds: int = 10, jobs: int = 2, blind: Annotated[bool, Parameter(negative="")] = False,
-    json: Annotated[bool, Parameter(negative="", help="one JSON object on stdout")] = False,
+    robot: RobotName = "hexapod", /, *, terrain: Names = None, gait: Names = None, speed: float = 0.06,
+    seconds: float = 20.0, seeds: int = 10, jobs: int = 2, blind: Flag = False,
+    json: Json = False,
 ) -> None:
     """Walk straight over courses, from several seeds each: share of the commanded distance, tilt, yaw, falls.
 
@@ -55,8 +52,6 @@ def course(
 
     Parameters
     ----------
-    robot
-        A bundled name or a YAML file.
     terrain
         A name from `robotwalk list terrains`, or the path of a YAML file; once for each. Default: all that are bundled.
     gait

@@ -3,19 +3,16 @@
 import os
 import re
 from importlib import metadata
-from typing import Annotated, Any
+from typing import Any
 
-from cyclopts import Parameter
-
+from robotwalk.cli.options import Flag, Json
 from robotwalk.cli.output import say, write_json
 from robotwalk.doctor.checks import Finding, Level, diagnose
 from robotwalk.doctor.computer import Computer
 from robotwalk.doctor.remedy import Write
 
-Flag = Parameter(negative="")
 
-
-def doctor(*, fix: Annotated[bool, Flag] = False, json: Annotated[bool, Flag] = False) -> int:
+def doctor(*, fix: Flag = False, json: Json = False) -> int:
     """Look at this computer: kernel, governor, rights, processors, clock, serial adapters, packages.
 
     Each finding comes with why it matters and the command that mends it. Exits with 1 while there is a problem; what
@@ -26,8 +23,6 @@ def doctor(*, fix: Annotated[bool, Flag] = False, json: Annotated[bool, Flag] = 
     fix
         Mend what takes no more than writing a file: as root, `sudo "$(command -v robotwalk)" doctor --fix`. It says
         what it wrote, and does nothing else.
-    json
-        One JSON object on stdout.
     """
     behind_sudo = os.environ.get("SUDO_UID", "") if os.geteuid() == 0 else ""
     computer, packages = Computer(asked_for=int(behind_sudo) if behind_sudo.isdecimal() else None), _packages()

@@ -1,11 +1,12 @@
 """`robotwalk gait`: a gait in numbers, and drawn."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-from cyclopts import App, Parameter
+from cyclopts import App
 
 from robotwalk import assembly, checks
+from robotwalk.cli.options import Json
 from robotwalk.cli.output import say, write_json, write_table
 from robotwalk.config import library
 from robotwalk.errors import UsageError
@@ -19,14 +20,8 @@ app = App(name="gait", help="Look at a gait.")
 
 @app.command
 def show(
-    gait: str,
-    /,
-    *,
-    robot: str | None = None,
-    phase: float = 0.0,
-    svg: Path | None = None,
-    png: Path | None = None,
-    json: Annotated[bool, Parameter(negative="")] = False,
+    gait: str, /, *, robot: str | None = None, phase: float = 0.0, svg: Path | None = None, png: Path | None = None,
+    json: Json = False,
 ) -> int:
     """Say what a gait is on a robot, and what it asks of its servos; draw it.
 
@@ -42,8 +37,6 @@ def show(
         Draw the circles, the gait diagram, the support polygons and the height by pseudo-physics here.
     png
         The same as PNG.
-    json
-        One JSON object on stdout.
     """
     drawn = _pictures(svg, png)
     if not 0.0 <= phase <= 1.0:
@@ -61,8 +54,7 @@ def show(
 
 @app.command
 def pseudo_physics(
-    *, period: float = 0.8, svg: Path | None = None, png: Path | None = None,
-    json: Annotated[bool, Parameter(negative="")] = False,
+    *, period: float = 0.8, svg: Path | None = None, png: Path | None = None, json: Json = False,
 ) -> int:
     """Draw what pseudo-physics makes of a step: the phases of a stance, and the height that each foot gives (PPS).
 
@@ -74,8 +66,6 @@ def pseudo_physics(
         Draw figures 9 to 11 of PPS here.
     png
         The same as PNG.
-    json
-        One JSON object on stdout.
     """
     drawn = _pictures(svg, png)
     if not 0.0 < period <= 60.0:

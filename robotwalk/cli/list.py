@@ -1,11 +1,12 @@
 """`robotwalk list`: what is bundled."""
 
 from textwrap import fill
-from typing import Annotated, Any
+from typing import Any
 
-from cyclopts import App, Parameter
+from cyclopts import App
 
 from robotwalk import assembly
+from robotwalk.cli.options import Json
 from robotwalk.cli.output import say, write_json, write_table
 from robotwalk.config import library
 from robotwalk.config.schema import RobotConfig
@@ -13,8 +14,6 @@ from robotwalk.gait_rules import fitted, read_gait
 from robotwalk.model import RobotModel
 
 app = App(name="list", help="List the bundled robots, servos, IMUs, gaits or terrains, or the faults of a simulation.")
-
-Json = Annotated[bool, Parameter(name="--json", negative="", help="one JSON object on stdout")]
 
 
 @app.command

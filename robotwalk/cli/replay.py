@@ -4,20 +4,19 @@ from pathlib import Path
 from typing import Any
 
 from robotwalk.assembly import replay as replays
+from robotwalk.cli.options import Json
 from robotwalk.cli.output import complain, say, write_json
 
 _NS = 1_000_000_000
 
 
-def replay(log: Path, /, *, json: bool = False) -> int:
+def replay(log: Path, /, *, json: Json = False) -> int:
     """Run the loop of a log again, on the time and the bytes of then, and compare every byte that it sends.
 
     Parameters
     ----------
     log
         From `robotwalk walk --log`. The robot's files are in it: what they are now does not matter.
-    json
-        One JSON object on stdout.
     """
     done = replays.replay(log)
     if json:

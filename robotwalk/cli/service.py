@@ -5,39 +5,34 @@ import os
 import shutil
 import sys
 from pathlib import Path
-from typing import Annotated
 
-from cyclopts import App, Parameter
+from cyclopts import App
 
 from robotwalk import assembly
+from robotwalk.cli.options import Flag, Json, RobotName
 from robotwalk.cli.output import say, write_json
 from robotwalk.doctor.computer import Computer
 from robotwalk.doctor.service import Service, service
 from robotwalk.errors import RobotwalkError, UsageError
 
 app = App(name="service", help="Have this computer offer the robot to drivers after every boot.")
-Flag = Parameter(negative="")
 
 
 @app.command
 def install(
-    robot: str, /, *, listen: str = "127.0.0.1:8765", user: str | None = None, dry_run: Annotated[bool, Flag] = False,
-    json: Annotated[bool, Flag] = False,
+    robot: RobotName, /, *, listen: str = "127.0.0.1:8765", user: str | None = None, dry_run: Flag = False,
+    json: Json = False,
 ) -> None:
     """Write a systemd unit and a udev rule; as root. The robot sits, torque off, until a driver says stand.
 
     Parameters
     ----------
-    robot
-        A bundled name, or the path of a YAML file.
     listen
         HOST:PORT on which drivers are heard.
     user
         Whose rights it has. Default: who says this, or who said sudo.
     dry_run
         Print both, and write nothing.
-    json
-        One JSON object on stdout.
     """
     blueprint = assembly.load(robot, calibrated=True)
     named = str(Path(robot).resolve()) if Path(robot).suffix in (".yaml", ".yml") else robot

@@ -4,30 +4,18 @@ import json
 import math
 import sys
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from robotwalk import assembly
+from robotwalk.cli.options import Flag, RobotName
 from robotwalk.cli.output import complain, say
 from robotwalk.errors import UsageError
 from robotwalk.interrupts import Interrupts
 
 
 def sim(
-    robot: str,
-    /,
-    *,
-    pty: Path | None = None,
-    tcp: str | None = None,
-    adapter: assembly.AdapterName = "none",
-    truth: Path | None = None,
-    duration: float | None = None,
-    terrain: str = assembly.FLAT,
-    seed: int = 0,
-    faults: Path | None = None,
-    view: Annotated[bool, Parameter(negative="")] = False,
-    hang: Annotated[bool, Parameter(negative="")] = False,
+    robot: RobotName, /, *, pty: Path | None = None, tcp: str | None = None, adapter: assembly.AdapterName = "none",
+    truth: Path | None = None, duration: float | None = None, terrain: str = assembly.FLAT, seed: int = 0,
+    faults: Path | None = None, view: Flag = False, hang: Flag = False,
 ) -> None:
     """Serve the simulated robot as a device in real time: seated, torque off, one serial port per bus.
 
@@ -35,8 +23,6 @@ def sim(
 
     Parameters
     ----------
-    robot
-        A bundled name (see `robotwalk list robots`), or the path of a YAML file.
     pty
         Make a pseudo terminal for each bus and link it as DIR/BUS. Its servos hear what is sent at their baud rate.
         A robot that has an IMU also gets DIR/imu, on which that talks; one that has foot switches, DIR/feet.

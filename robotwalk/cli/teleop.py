@@ -14,8 +14,8 @@ from cyclopts import Parameter
 
 from robotwalk import assembly
 from robotwalk.cli.ending import run_to_end
+from robotwalk.cli.options import Faults, Flag, Log, Names, Rate, RobotName, Terrain, Where
 from robotwalk.cli.output import abandon_stdout, complain, say, write_json
-from robotwalk.cli.ports import place
 from robotwalk.command_check import check_command
 from robotwalk.doctor.notify import Notify
 from robotwalk.robot import Robot
@@ -28,35 +28,18 @@ from robotwalk.teleop.tiller import Tiller
 from robotwalk.teleop.told import Told
 from robotwalk.types import Command
 
-Flag = Parameter(negative="")
-Several = Parameter(negative="")
 Input = Literal["keyboard", "gamepad", "socket"]
+Inputs = Annotated[list[Input] | None, Parameter(negative="")]
 
 _LISTEN = "127.0.0.1:8765"
 _TOKEN = "ROBOTWALK_TOKEN"  # of the environment: what is on a command line everybody can read
 
 
 def teleop(
-    robot: str,
-    /,
-    *,
-    input: Annotated[list[Input] | None, Several] = None,
-    keys: LayoutName = "ros",
-    listen: str | None = None,
-    origin: Annotated[list[str] | None, Several] = None,
-    gait: str | None = None,
-    rate: int = assembly.RATE_HZ,
-    port: list[str] | None = None,
-    real: Annotated[bool, Flag] = False,
-    hang: Annotated[bool, Flag] = False,
-    seated: Annotated[bool, Flag] = False,
-    terrain: str | None = None,
-    faults: Path | None = None,
-    seed: int | None = None,
-    truth: Path | None = None,
-    view: Annotated[bool, Flag] = False,
-    log: Path | None = None,
-    json: Annotated[bool, Flag] = False,
+    robot: RobotName, /, *, input: Inputs = None, keys: LayoutName = "ros", listen: str | None = None,
+    origin: Names = None, gait: str | None = None, rate: Rate = assembly.RATE_HZ, where: Where = Where(),
+    seated: Flag = False, terrain: Terrain = None, faults: Faults = None, seed: int | None = None,
+    truth: Path | None = None, view: Flag = False, log: Log = None, json: Flag = False,
 ) -> int:
     """Stand up and be driven: a simulated robot in real time, or with --port or --real the one on a bus.
 
@@ -64,8 +47,6 @@ def teleop(
 
     Parameters
     ----------
-    robot
-        A bundled name (see `robotwalk list robots`), or the path of a YAML file.
     input
         What drives: keyboard, gamepad or socket; may be given several times. Default: the keyboard, if there is one.
     keys
@@ -77,37 +58,21 @@ def teleop(
         Of web pages whose scripts may connect, such as http://localhost:8000. Programs need none.
     gait
         To begin with. Default: the first that it has of tripod, tetrapod, trot and wave.
-    rate
-        Ticks per second.
-    port
-        BUS=URL: drive what is on this line. Once for each bus, and imu=URL for the IMU.
-    real
-        Open the ports that the robot's file names, or physical ones given by --port. The robot will move.
-    hang
-        The robot is on a stand, its feet off the ground: a third of the torque, and nothing is felt for.
     seated
         Begin with torque off, until a driver says stand; as after a boot.
-    terrain
-        The ground of the simulation: a name from `robotwalk list terrains`, or the path of a YAML file. Default: flat.
-    faults
-        What goes wrong in the simulation, and when: a YAML file (see `robotwalk list faults`).
     seed
         Of the simulation.
     truth
         Write what really happens in the simulation to this file, as JSON lines at 50 Hz.
     view
         Show the simulation in the browser, on this machine only (needs the extra `robotwalk[view]`).
-    log
-        Record every tick to this MCAP file, for PlotJuggler or Foxglove.
     json
         JSON lines on stdout: one when drivers are heard, and one at the end.
     """
     simulated = {"terrain": terrain, "faults": faults, "seed": seed, "truth": truth, "view": view or None}
-    where = place(port, real=real, **simulated)
+    ports = where.ports
     assembly.check_rate(rate)
-    blueprint = assembly.load(robot, calibrated=where.on_bus)
-    if hang:
-        blueprint = blueprint.hang()
+    blueprint = where.blueprint(robot, **simulated)
     check = _check_of(blueprint)
     check(Command(gait=gait))
     tiller = Tiller(
@@ -131,11 +96,10 @@ def teleop(
         page: str | None = None
         what = "ports are opened" if where.on_bus else "a simulated robot starts"
         show(time.monotonic(), Told(note=f"wait: {what}"), None)
-        ports = where.ports
         if not where.on_bus:
-            device = stack.enter_context(assembly.own_device(robot, {**simulated, "hang": hang}))
+            device = stack.enter_context(assembly.own_device(robot, {**simulated, "hang": where.hang}))
             ports, page = device.ports, device.page
-        session = assembly.connect(blueprint, ports, real=real, rate_hz=rate, log=log)
+        session = assembly.connect(blueprint, ports, real=where.real, rate_hz=rate, log=log)
         assembly.add_black_box(session)
         _say_ready(devices, page, json)
         systemd.ready()

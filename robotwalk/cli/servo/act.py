@@ -1,7 +1,8 @@
 """`robotwalk servo torque-off` and `reboot`."""
 
+from robotwalk.cli.options import Json
 from robotwalk.cli.output import complain, say, write_json
-from robotwalk.cli.servo.options import Json, Line, ServoId
+from robotwalk.cli.servo.options import Line, ServoId
 
 
 def torque_off(*servo_ids: ServoId, line: Line, json: Json = False) -> None:

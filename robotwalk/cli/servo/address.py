@@ -1,8 +1,9 @@
 """`robotwalk servo set-id` and `set-baud`: where a servo is to be found."""
 
 from robotwalk.assembly import workbench
+from robotwalk.cli.options import Json
 from robotwalk.cli.output import say, write_json
-from robotwalk.cli.servo.options import Json, Line, ServoId
+from robotwalk.cli.servo.options import Line, ServoId
 
 
 def set_id(old: ServoId, new: ServoId, /, *, line: Line, json: Json = False) -> None:

@@ -6,9 +6,10 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from robotwalk.assembly import workbench
+from robotwalk.cli.options import Json
 from robotwalk.cli.output import complain, say, write_json
 from robotwalk.cli.servo.look import Search
-from robotwalk.cli.servo.options import Json, Line, Port, Real, ServoId
+from robotwalk.cli.servo.options import Line, Port, Real, ServoId
 from robotwalk.cli.servo.registers import change_fields, change_text
 
 _ID = "The new servo's id now, if that is one of the robot's; nothing else should be connected then."

@@ -6,8 +6,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from robotwalk.assembly import transcript
+from robotwalk.cli.options import Json
 from robotwalk.cli.output import say, write_json
-from robotwalk.cli.servo.options import BAUD, Baud, Json, Protocol
+from robotwalk.cli.servo.options import BAUD, Baud, Protocol
 from robotwalk.errors import UsageError
 
 _ARROWS = {"instruction": "->", "status": "<-", "garbage": "??"}

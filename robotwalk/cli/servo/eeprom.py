@@ -3,21 +3,18 @@
 import datetime
 import os
 from pathlib import Path
-from typing import Annotated, Literal
-
-from cyclopts import Parameter
+from typing import Literal
 
 from robotwalk.assembly import workbench
+from robotwalk.cli.options import Flag, Json
 from robotwalk.cli.output import complain, say, write_json
-from robotwalk.cli.servo.options import Json, Line, ServoId
+from robotwalk.cli.servo.options import Line, ServoId
 from robotwalk.cli.servo.registers import change_fields, change_text, undo_of
 from robotwalk.errors import UsageError
 
-Flag = Parameter(negative="")
-
 
 def backup(
-    servo_id: ServoId, file: Path, /, *, line: Line, force: Annotated[bool, Flag] = False, json: Json = False
+    servo_id: ServoId, file: Path, /, *, line: Line, force: Flag = False, json: Json = False
 ) -> None:
     """Save all registers of a servo's EEPROM to a file.
 
@@ -46,7 +43,7 @@ def backup(
 
 
 def restore(
-    servo_id: ServoId, file: Path, /, *, line: Line, with_id: Annotated[bool, Flag] = False, json: Json = False
+    servo_id: ServoId, file: Path, /, *, line: Line, with_id: Flag = False, json: Json = False
 ) -> None:
     """Bring a servo's EEPROM back to what a backup holds. Only what differs is written; torque must be off.
 
@@ -82,7 +79,7 @@ def restore(
 
 def factory_reset(
     servo_id: ServoId, /, *, line: Line, keep: Literal["nothing", "id", "id-and-baud"] = "nothing",
-    yes: Annotated[bool, Flag] = False, json: Json = False,
+    yes: Flag = False, json: Json = False,
 ) -> None:
     """Bring a servo back to what the factory has set, and say where it then is.
 

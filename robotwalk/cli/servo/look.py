@@ -3,8 +3,9 @@
 from typing import Any
 
 from robotwalk.assembly import workbench
+from robotwalk.cli.options import Json
 from robotwalk.cli.output import complain, progress_line, say, write_json, write_table
-from robotwalk.cli.servo.options import BAUD, Json, Line, Port, Protocol, Real, ServoId, Servos
+from robotwalk.cli.servo.options import BAUD, Line, Port, Protocol, Real, ServoId, Servos
 from robotwalk.errors import BusError
 
 

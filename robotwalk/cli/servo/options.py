@@ -28,7 +28,6 @@ Protocol = Annotated[
 Baud = Annotated[int, Parameter(help="The line's baud rate.")]
 Servos = Annotated[Path | None, Parameter(help="A folder with files of servos that are not bundled.")]
 Real = Annotated[bool, Parameter(negative="", help="Allow this on a physical servo.")]
-Json = Annotated[bool, Parameter(name="--json", negative="", help="One JSON object on stdout.")]
 
 
 @Parameter(name="*")

@@ -8,8 +8,9 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from robotwalk.assembly import workbench
+from robotwalk.cli.options import Json
 from robotwalk.cli.output import complain, say, write_json, write_table
-from robotwalk.cli.servo.options import Json, Line, ServoId
+from robotwalk.cli.servo.options import Line, ServoId
 from robotwalk.errors import UsageError
 
 Raw = Annotated[bool, Parameter(negative="", help="Counts, as on the wire, instead of units.")]

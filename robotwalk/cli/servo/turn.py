@@ -6,8 +6,9 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from robotwalk.assembly import workbench
+from robotwalk.cli.options import Json
 from robotwalk.cli.output import complain, say, write_json
-from robotwalk.cli.servo.options import BAUD, Json, Port, Protocol, Real, Servos
+from robotwalk.cli.servo.options import BAUD, Port, Protocol, Real, Servos
 from robotwalk.errors import UsageError
 from robotwalk.interrupts import Interrupts
 from robotwalk.model import Axis, Joint

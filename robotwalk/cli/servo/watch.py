@@ -7,8 +7,9 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from robotwalk.assembly import workbench
+from robotwalk.cli.options import Json
 from robotwalk.cli.output import say, write_json
-from robotwalk.cli.servo.options import Json, Line, ServoId
+from robotwalk.cli.servo.options import Line, ServoId
 from robotwalk.clock import Grid
 from robotwalk.errors import UsageError
 
