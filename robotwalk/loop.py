@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from robotwalk.clock import Grid
 from robotwalk.controller import NOTHING_WANTED, Wanted
+from robotwalk.end_stops import EndStops
 from robotwalk.estimator import Estimate
 from robotwalk.feedforward import Feedforward
 from robotwalk.limits import Gate
@@ -66,6 +67,7 @@ class Loop:
         switches: FootSwitches | None = None,
         walker: Walker,
         feedforward: Feedforward,
+        end_stops: EndStops,
         gate: Gate,
         safety: Safety,
         record: Callable[[Row], None] | None = None,
@@ -88,6 +90,7 @@ class Loop:
         self._regroup = regroup
         self._feedforward = feedforward
         self._reentry = Reentry()
+        self._end_stops = end_stops
         self._record = record
         self._taped: Callable[..., None] = tape.call if tape is not None else lambda name, argument=None: None
         self.period = _NS // rate_hz
@@ -256,6 +259,7 @@ class Loop:
         self.gate.reset(state.position)
         self._feedforward.reset(state.position)
         self._reentry.reset(state.position)
+        self._end_stops.reset(state.position)
         self._goals = state.position
         self._joints = state
         self._wanted = self._wanted._replace(planted=())
@@ -284,7 +288,7 @@ class Loop:
         goals = self._reentry.step(
             self._feedforward.step(wanted.angles, wanted.torques, dt), wanted.angles, joints, holding,
             self._bus.reseeded, dt)
-        goals = self.gate.step(goals, dt)
+        goals = self.gate.step(self._end_stops.step(goals, joints, self._bus.reseeded), dt)
         self._wanted, self._goals = wanted, goals
         return Tick(now, state, joints, estimate, wanted, goals, stable, news)
 

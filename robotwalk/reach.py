@@ -19,6 +19,11 @@ _SOFT = 0.02  # of the way between shortest and longest, at either end
 _MARGIN = 1e-6  # m
 
 
+def spare(low: float, high: float) -> float:
+    """Return by how much a joint with these limits, rad, is never sent nearer to either of them."""
+    return min(_SPARE, 0.02 * (high - low))
+
+
 class Solution(NamedTuple):
     """Joint angles that bring the foot to a target, or as near as the leg allows."""
 
@@ -63,7 +68,7 @@ class Ranges:
     def __init__(self, limits: Sequence[tuple[float, float]]) -> None:
         """Take each joint's lower and upper limit, rad, from the body to the foot."""
         self._limits = [
-            (low, high, min(_SOFT_JOINT, 0.1 * (high - low)), min(_SPARE, 0.02 * (high - low))) for low, high in limits]
+            (low, high, min(_SOFT_JOINT, 0.1 * (high - low)), spare(low, high)) for low, high in limits]
         self._free = [(low + soft + spare, high - soft - spare) for low, high, soft, spare in self._limits]
         self._last: Sequence[float] = ()
         self._near = False  # some joint was held back

@@ -17,6 +17,7 @@ from robotwalk.assembly.blueprint import LIMP, Blueprint
 from robotwalk.black_box import BlackBox, folder
 from robotwalk.contact import FootSense
 from robotwalk.controller import Controller
+from robotwalk.end_stops import EndStops
 from robotwalk.errors import UsageError
 from robotwalk.feedforward import Feedforward
 from robotwalk.folded import Folded
@@ -203,6 +204,8 @@ def loop_of(
             model, Controller(model, blueprint.gaits, blueprint.default_gait), blueprint.gaits,
             FootSense(model, blueprint.drives, by_load=by_load) if feels else None),
         feedforward=Feedforward(blueprint.drives, lag=model.leads.lag, load=model.leads.load),
+        end_stops=EndStops(
+            [(joint.lower, joint.upper) for joint in model.joints], blueprint.drives, 1.0 / rate_hz),
         gate=gate_of(blueprint),
         safety=Safety(model, bus, rate_hz, blueprint.drives),
         record=record,

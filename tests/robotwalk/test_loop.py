@@ -6,6 +6,7 @@ from itertools import pairwise
 import pytest
 
 from robotwalk.controller import Controller
+from robotwalk.end_stops import EndStops
 from robotwalk.feedforward import Feedforward
 from robotwalk.gait import Gait
 from robotwalk.kinematics import resting_angles
@@ -90,6 +91,7 @@ class Rig:
             rate_hz=RATE_HZ, clock=self.clock, bus=self.bus,
             walker=Walker(model, Controller(model, gaits, "tripod"), gaits),
             feedforward=Feedforward([DriveResponse(0.0, 0.0, 0.0, 6.0)] * 18),
+            end_stops=EndStops([(-4.0, 4.0)] * 18, [DriveResponse(0.0, 0.0, 0.0, 6.0)] * 18, 1.0 / RATE_HZ),
             gate=Gate(model.joint_names, [JointLimit(-4.0, 4.0, 100.0, 1e6)] * 18),
             safety=Safety(model, self.bus, RATE_HZ, [DriveResponse(0.0, 0.0, 0.0, 6.0)] * 18),
             record=self.rows.append)

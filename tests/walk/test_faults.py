@@ -13,6 +13,8 @@ from robotwalk.loop import Tick
 from robotwalk.supervisor import State
 from sim_backend.device import Reply
 
+pytestmark = pytest.mark.usefixtures("watched_joints")
+
 Tamper = Callable[[list[Reply], int], list[Reply]]
 
 

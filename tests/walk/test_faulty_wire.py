@@ -16,6 +16,8 @@ from sim_backend.reply import Reply
 
 from .rig import walk
 
+pytestmark = pytest.mark.usefixtures("watched_joints")
+
 HEXAPOD = assembly.load("hexapod")
 LOSSES = [
     {"at": 0, "fault": "drop_reply", "rate": 0.05},

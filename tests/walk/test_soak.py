@@ -5,13 +5,16 @@ import pytest
 from .soak.run import run
 from .soak.verdict import BOUNDS, slip, violations
 
-_SEEDS = range(10, 15)
+_SEEDS = {
+    "hexapod": (10, 11, 12, 218, 243),  # in the last two stretched legs gave beyond their limits under the body
+    "quadruped": range(10, 15),
+}
 
 
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("robot", ["hexapod", "quadruped"])
 def test_whatever_is_commanded_a_robot_walks_on(robot: str) -> None:
-    outcomes = [run(robot, seed) for seed in _SEEDS]
+    outcomes = [run(robot, seed) for seed in _SEEDS[robot]]
     for outcome in outcomes:
         assert violations(outcome) == [], f"seed {outcome.seed}"
         assert len(outcome.slips) > 20
