@@ -6,19 +6,16 @@ from collections.abc import Mapping, Sequence
 
 from hal.arming import Arming
 from hal.bus_plan import SHARE_OF_TICK
+from hal.disarming import disarm, disarm_watchdogs, settle
 from hal.line_cycle import PATIENCE
 from hal.revival import Revival
 from hal.servo_line import ServoLine
-from hal.wired import Wired
-from robotwalk.errors import BusError
 from robotwalk.ports import Clock
 from robotwalk.types import BusStatistics, JointState, ServoCondition
 
 _NS = 1_000_000_000
 _PATIENCE = 40_000_000  # ns past the time that the bytes take, while arming
-_QUIET = 10_000_000  # ns after which no reply is under way any more
 _LONGEST_BITE = 3600.0  # s
-_UNHEARD = 3  # servos
 _ADOPTION = 3  # tries at hearing everybody; the robot may be falling
 
 
@@ -109,6 +106,15 @@ class SerialServoBus:
         line, servo = self._places[slot]
         return line.cycle.watch.rota.condition(servo)
 
+    def statistics(self) -> Mapping[str, BusStatistics]:
+        """Return what each bus carried, by its name."""
+        return {
+            line.name: BusStatistics(
+                line.wire.tx_bytes, line.wire.rx_bytes, line.cycle.transactions, line.cycle.lost_replies,
+                line.bad_frames, self._max_age[line.name], line.watchdogs.trips)
+            for line in self._lines
+        }
+
     def arm(self, period: int, torque: float = 1.0) -> JointState:
         """Find every servo, let it hold where it is, switch torque on, limb by limb and gently; arm the watchdogs.
 
@@ -138,7 +144,7 @@ class SerialServoBus:
             for line in self._lines:
                 if line.watchdogs.due:
                     line.wire.send(line.watchdogs.armed(b""))
-            self._wait(_QUIET)
+            settle(self._clock)
             self._max_age = dict.fromkeys(self._max_age, 0.0)  # until here nobody was in a hurry
         except BaseException:
             if not stands:
@@ -158,7 +164,7 @@ class SerialServoBus:
             believed: rad, where those are that do not answer.
         """
         self.pause()
-        self._wait(_QUIET)
+        settle(self._clock)
         for _ in range(_ADOPTION):
             state = self._exchange_patiently(None)
             if all(state.valid):
@@ -185,46 +191,18 @@ class SerialServoBus:
         """Let every servo hold as it does, with nobody talking to it, until the next `exchange`. Never raises."""
         self._fall_silent()
         for line in self._lines:
-            self._disarm_watchdogs(line)
+            disarm_watchdogs(line)
 
     def disarm(self) -> list[str]:
         """Switch torque off; return the joints at which that could not be confirmed. Never raises."""
         self._fall_silent()
-        doubtful: list[str] = []
-        for line in self._lines:
-            try:
-                doubtful += self._let_go(line)
-            except Exception:
-                doubtful += [servo.joint for servo in line.servos]
-        return doubtful
+        return disarm(self._lines, self._clock)
 
     def close(self) -> None:
         """Give the ports back. Never raises."""
         for line in self._lines:
             with contextlib.suppress(Exception):
                 line.port.close()
-
-    def _let_go(self, line: ServoLine) -> list[str]:
-        """Switch a wire's torque off, twice since nobody acknowledges a broadcast, and look whether it is."""
-        for _ in range(2):
-            self._wait(_QUIET)
-            line.broadcast_torque_off()
-        self._disarm_watchdogs(line)
-        self._wait(_QUIET)
-        doubtful: list[str] = []
-        unheard = 0  # in a row
-        for servo in line.servos:
-            # Where some are not to be heard the others hardly are either, and somebody waits.
-            if unheard < _UNHEARD:
-                try:
-                    if self._is_on(line, servo):
-                        line.write_register(self._clock, servo, "torque_enable", 0)
-                    unheard = 0
-                    continue
-                except BusError:
-                    unheard += 1
-            doubtful.append(servo.joint)
-        return doubtful
 
     def _resume(self) -> None:
         self._paused = False
@@ -237,31 +215,9 @@ class SerialServoBus:
         """Read no more conditions, and let what is under way come to its end."""
         self._paused = True
         if any(line.cycle.watch.on for line in self._lines):
-            self._wait(_QUIET)
+            settle(self._clock)
         for line in self._lines:
             line.cycle.watch.rest()
-
-    def _disarm_watchdogs(self, line: ServoLine) -> None:
-        """Disarm a wire's watchdogs. Where that is lost they trip in vain: the servos hold all the same."""
-        frames = line.watchdogs.disarmed()
-        if frames:
-            with contextlib.suppress(BusError, OSError):
-                line.wire.send(frames)
-
-    def statistics(self) -> Mapping[str, BusStatistics]:
-        """Return what each bus carried, by its name."""
-        return {
-            line.name: BusStatistics(
-                line.wire.tx_bytes, line.wire.rx_bytes, line.cycle.transactions, line.cycle.lost_replies,
-                line.bad_frames, self._max_age[line.name], line.watchdogs.trips)
-            for line in self._lines
-        }
-
-    def _is_on(self, line: ServoLine, servo: Wired) -> bool:
-        return line.read_register(self._clock, servo, "torque_enable") != 0
-
-    def _wait(self, duration: int) -> None:
-        self._clock.wait((), self._clock.now() + duration)
 
     def _exchange_patiently(self, goals: Sequence[float] | None) -> JointState:
         return self._transact(goals, self._clock.now(), _NS, _PATIENCE)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 from robotwalk.chronicle import Chronicle
 from robotwalk.cycle import BusReports, Cycle, SensorReports
-from robotwalk.errors import Held, SafetyStop, UsageError
+from robotwalk.errors import Held, RobotwalkError, SafetyStop, UsageError
 from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Tick
 from robotwalk.supervisor import Request, State
@@ -40,6 +40,11 @@ class Pilot:
         self._chronicle = chronicle
         self._interrupts = interrupts
 
+    @property
+    def torque_doubt(self) -> str | None:
+        """Where torque may still be on though it was switched off, in words; None if it is off everywhere."""
+        return next((event.text for event in self._chronicle.events if event.kind == "torque"), None)
+
     def request(self, request: Request) -> None:
         """Ask the supervisor for a state.
 
@@ -70,24 +75,6 @@ class Pilot:
             self._chronicle.note("audit", text)
         self._loop.begin(state)
 
-    def disarm(self) -> None:
-        """Switch torque off, if we have switched it on, and say so if that cannot be confirmed."""
-        if self._loop.armed:
-            self.doubtful = list(self._joints)
-            for _ in range(2):
-                with self._chronicle.noting("as torque was switched off"):
-                    self.doubtful = self._loop.disarm()
-                    break
-            if self.doubtful:
-                self._chronicle.note("torque", f"torque may still be on at {', '.join(self.doubtful)}: cut the power")
-        if self._loop.state is State.READY:
-            self.request(Request.DISARM)
-
-    @property
-    def torque_doubt(self) -> str | None:
-        """Where torque may still be on though it was switched off, in words; None if it is off everywhere."""
-        return next((event.text for event in self._chronicle.events if event.kind == "torque"), None)
-
     def run(
         self, seconds: float, *, until: Callable[[Tick], bool] = lambda tick: False, what: str | None = None
     ) -> None:
@@ -98,7 +85,7 @@ class Pilot:
             KeyboardInterrupt, SystemExit: see `Interrupts.check`.
         """
         for _ in range(round(seconds * self._loop.rate_hz)):
-            tick = self.tick()
+            tick = self._tick()
             self._heed(tick.state)
             if until(tick):
                 return
@@ -107,15 +94,68 @@ class Pilot:
             self._chronicle.note("timeout", f"{what} took longer than {seconds:.0f} s")
             raise SafetyStop(f"the robot could not {what} within {seconds:.0f} s")
 
-    def _heed(self, state: State) -> None:
-        """Let a fault bring the robot down, or raise that it was told to stop, if that is how it is."""
-        if state is State.FAULT:
-            self.come_down()
-        if state is State.HELD:
-            self._chronicle.note("stop", "told to stop: held in place")
-            raise Held("the robot was told to stop, and was held in place")
+    def seat(self) -> None:
+        """Sit down and switch torque off; as long as somebody's `stop` holds the robot, wait.
 
-    def tick(self) -> Tick:
+        Raises:
+            SafetyStop: the robot was coming down for a fault, or could not sit.
+            SystemExit: see `await_clear`.
+        """
+        while True:
+            try:
+                self.await_clear()
+                self._sit()
+            except RobotwalkError:
+                if self._loop.state is not State.HELD:
+                    raise
+                continue  # held on its way, or so lately that the loop refused what was asked of it
+            break
+        self._disarm()
+
+    def await_clear(self) -> None:
+        """Wait for as long as somebody's `stop` holds the robot in place; then it is on its way down, and may stand.
+
+        Raises:
+            SystemExit: told to end meanwhile, by SIGTERM or SIGHUP; the robot is left as it is, with torque on.
+        """
+        if self._loop.state is State.HELD:
+            try:
+                while self._tick().state is State.HELD:
+                    self._interrupts.check(held=True)
+            except SystemExit:
+                self._freeze()
+                raise
+
+    def close(self) -> None:
+        """Sit down if need be, switch torque off, give the ports back. A Ctrl-C meanwhile freezes the robot.
+
+        Raises:
+            RobotwalkError: the robot could not sit down.
+            KeyboardInterrupt, SystemExit: the robot is frozen, by a Ctrl-C or as `await_clear` says.
+        """
+        try:
+            if not self.frozen:
+                self._interrupts.heed_only_ctrl_c()
+                self._seat_unwatched_if_need_be()
+        except KeyboardInterrupt:
+            self._freeze()
+            raise
+        except SafetyStop:
+            raise
+        except Exception as error:
+            self._chronicle.note("error", f"could not sit down: {error!r}")
+            if isinstance(error, RobotwalkError):
+                raise
+            raise SafetyStop(f"the robot could not sit down: {error!r}") from error
+        finally:
+            if not self.frozen:
+                with self._chronicle.noting("as torque was switched off"):
+                    self._disarm()
+                self._close_ports()
+            self._chronicle.close()
+            self._interrupts.restore()
+
+    def _tick(self) -> Tick:
         """Turn the cycle once.
 
         Raises:
@@ -133,7 +173,15 @@ class Pilot:
             observer(tick)
         return tick
 
-    def sit(self) -> None:
+    def _heed(self, state: State) -> None:
+        """Let a fault bring the robot down, or raise that it was told to stop, if that is how it is."""
+        if state is State.FAULT:
+            self._come_down()
+        if state is State.HELD:
+            self._chronicle.note("stop", "told to stop: held in place")
+            raise Held("the robot was told to stop, and was held in place")
+
+    def _sit(self) -> None:
         """Step to rest and sit down.
 
         Raises:
@@ -141,7 +189,7 @@ class Pilot:
         """
         state = self._loop.state
         if state is State.FAULT:
-            self.come_down()
+            self._come_down()
         if state in (State.STAND, State.WALK, State.MEND):
             self._loop.command = Command()
             self.request(Request.SIT)
@@ -149,7 +197,7 @@ class Pilot:
         if state is State.SIT:
             self.run(LONGEST_SIT_DOWN, until=lambda tick: tick.state is State.READY, what="sit")
 
-    def come_down(self) -> None:
+    def _come_down(self) -> None:
         """Let a fault bring the robot down, switch torque off, and raise.
 
         Raises:
@@ -157,40 +205,50 @@ class Pilot:
         """
         reason = self._loop.fault or "it was stopped"
         for _ in range(round(LONGEST_SIT_DOWN * self._loop.rate_hz)):
-            if self.tick().state is State.STOP:
+            if self._tick().state is State.STOP:
                 break
             self.await_clear()  # first: it heeds signals in its own way
             self._interrupts.check()
-        self.disarm()
+        self._disarm()
         self._chronicle.note("safety_stop", reason)
         raise SafetyStop(
             f"the robot was brought down because {reason}; {self.torque_doubt or 'torque is off'}")
 
-    def await_clear(self) -> None:
-        """Wait for as long as somebody's `stop` holds the robot in place; then it is on its way down, and may stand.
+    def _seat_unwatched_if_need_be(self) -> None:
+        """Sit down; an observer that fails, as when its terminal is gone, must not keep the robot from it."""
+        try:
+            self.seat()
+        except RobotwalkError:
+            raise
+        except Exception as error:
+            self.observers.clear()
+            self._chronicle.note("error", f"on the way down: {error!r}")
+            self.seat()
 
-        Raises:
-            SystemExit: told to end meanwhile, by SIGTERM or SIGHUP; the robot is left as it is, with torque on.
-        """
-        if self._loop.state is State.HELD:
-            try:
-                while self.tick().state is State.HELD:
-                    self._interrupts.check(held=True)
-            except SystemExit:
-                self.freeze()
-                raise
-
-    def freeze(self) -> None:
+    def _freeze(self) -> None:
         """Hold every joint where it was last measured, with torque on, give the ports back, and leave it so."""
         self.frozen = True
         try:
             self._loop.freeze()
-            self.close_ports()
+            self._close_ports()
         except Exception as error:  # its ports stay with the loop, which holds or seats it
             self._chronicle.note("error", f"could not freeze: {error!r}")
         self._chronicle.note("freeze", "frozen in place; torque stays on")
 
-    def close_ports(self) -> None:
+    def _disarm(self) -> None:
+        """Switch torque off, if we have switched it on, and say so if that cannot be confirmed."""
+        if self._loop.armed:
+            self.doubtful = list(self._joints)
+            for _ in range(2):
+                with self._chronicle.noting("as torque was switched off"):
+                    self.doubtful = self._loop.disarm()
+                    break
+            if self.doubtful:
+                self._chronicle.note("torque", f"torque may still be on at {', '.join(self.doubtful)}: cut the power")
+        if self._loop.state is State.READY:
+            self.request(Request.DISARM)
+
+    def _close_ports(self) -> None:
         """Give all ports back."""
         ports: list[BusReports | SensorReports] = [self._bus, *self._sensors]
         for port in ports:

@@ -10,7 +10,7 @@ from robotwalk.chronicle import Chronicle
 from robotwalk.command_check import check_command, check_duration
 from robotwalk.cycle import BusReports, Cycle, SensorReports
 from robotwalk.detour import Detour
-from robotwalk.errors import RobotwalkError, SafetyStop, UsageError
+from robotwalk.errors import UsageError
 from robotwalk.estimator import Estimate
 from robotwalk.interrupts import Interrupts
 from robotwalk.loop import Tick
@@ -260,16 +260,7 @@ class Robot:
             SafetyStop: the robot was coming down for a fault, or could not sit.
             SystemExit: see `await_clear`.
         """
-        while True:
-            try:
-                self._pilot.await_clear()
-                self._pilot.sit()
-            except RobotwalkError:
-                if self.loop.state is not State.HELD:
-                    raise
-                continue  # held on its way, or so lately that the loop refused what was asked of it
-            break
-        self._pilot.disarm()
+        self._pilot.seat()
 
     def await_clear(self) -> None:
         """Wait for as long as somebody's `stop` holds the robot in place; then it is on its way down, and may stand.
@@ -314,36 +305,4 @@ class Robot:
             KeyboardInterrupt, SystemExit: the robot is frozen, by a Ctrl-C or as `await_clear` says.
         """
         self._entered = False
-        pilot, chronicle = self._pilot, self._chronicle
-        try:
-            if not pilot.frozen:
-                self._interrupts.heed_only_ctrl_c()
-                self._sit_unwatched_if_need_be()
-        except KeyboardInterrupt:
-            pilot.freeze()
-            raise
-        except SafetyStop:
-            raise
-        except Exception as error:
-            self.note("error", f"could not sit down: {error!r}")
-            if isinstance(error, RobotwalkError):
-                raise
-            raise SafetyStop(f"the robot could not sit down: {error!r}") from error
-        finally:
-            if not pilot.frozen:
-                with chronicle.noting("as torque was switched off"):
-                    pilot.disarm()
-                pilot.close_ports()
-            chronicle.close()
-            self._interrupts.restore()
-
-    def _sit_unwatched_if_need_be(self) -> None:
-        """Sit down; an observer that fails, as when its terminal is gone, must not keep the robot from it."""
-        try:
-            self.sit()
-        except RobotwalkError:
-            raise
-        except Exception as error:
-            self.observers.clear()
-            self.note("error", f"on the way down: {error!r}")
-            self.sit()
+        self._pilot.close()

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 
 from hal.imu.model import ImuModel as ImuModel
 from robotwalk.assembly.blueprint import Blueprint as Blueprint
-from robotwalk.assembly.blueprint import BusLoad as BusLoad
-from robotwalk.assembly.blueprint import SupplyLoad as SupplyLoad
-from robotwalk.assembly.blueprint import bus_loads as bus_loads
 from robotwalk.assembly.blueprint import load as load
 from robotwalk.assembly.blueprint import load_gaits as load_gaits
 from robotwalk.assembly.blueprint import load_servo as load_servo
-from robotwalk.assembly.blueprint import supply_load as supply_load
 from robotwalk.assembly.connected import attach as attach
 from robotwalk.assembly.connected import connect as connect
+from robotwalk.assembly.loads import BusLoad as BusLoad
+from robotwalk.assembly.loads import SupplyLoad as SupplyLoad
+from robotwalk.assembly.loads import bus_loads as bus_loads
+from robotwalk.assembly.loads import supply_load as supply_load
 from robotwalk.assembly.own_device import own_device as own_device
 from robotwalk.assembly.session import RATE_HZ as RATE_HZ
 from robotwalk.assembly.session import LocalSession as LocalSession

@@ -8,13 +8,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-from hal import bus_plan
 from hal.calibration import Calibration
 from hal.drive import response
 from hal.hardware import HardwareConfig, foot_switch_problems, imu_problems, problems, stop_input_problems
 from hal.imu.model import ImuModel
 from hal.joint_calibration import CalibrationConfig
-from hal.protocols import protocol_of
 from hal.register_map import ServoModel
 from hal.wired import Wired
 from robotwalk import checks
@@ -33,7 +31,6 @@ _USUAL_GAITS = ("tripod", "tetrapod", "trot", "wave")  # of six, eight, four leg
 LIMP = "limp"  # the gait of a robot that has lost a leg
 _CALIBRATION = "calibration.yaml"
 _HUNG_TORQUE = 0.35
-_SHARE_OF_TICK = 0.8  # that a bus may take, with a fifth of the wire free
 
 
 class Files(NamedTuple):
@@ -140,7 +137,6 @@ class Blueprint:
     def drives(self) -> tuple[DriveResponse, ...]:
         """How each joint follows its goals."""
         return tuple(response(self.servos[self.hardware.joints[name].servo]) for name in self.model.joint_names)
-
 
     @cached_property
     def strengths(self) -> tuple[Strength, ...]:
@@ -264,55 +260,3 @@ def _in_folder(documents: Mapping[str, Document], folder: str) -> dict[str, Docu
     return {
         place.removeprefix(f"{folder}/").removesuffix(".yaml"): document
         for place, document in documents.items() if place.startswith(f"{folder}/")}
-
-
-class BusLoad(NamedTuple):
-    """What a tick costs on one bus."""
-
-    name: str
-    baud: int
-    servos: int
-    wire_s: float  # that its exchange takes
-    least_s: float  # that it must have: servos that are read one by one may wait for a later tick
-    share: float  # of the tick, of what it must have
-    largest_rate_hz: int  # that leaves a fifth of the wire free
-    raised_by: tuple[bus_plan.Remedy, ...]
-    lowered_by: tuple[bus_plan.Remedy, ...]
-
-
-def bus_loads(blueprint: Blueprint, rate_hz: int) -> list[BusLoad]:
-    """Plan each bus's exchange with return delay 0 and, where every servo may have it, fast sync read."""
-    loads = []
-    for name, wired in blueprint.wiring.items():
-        baud = blueprint.hardware.buses[name].baud
-        protocol = protocol_of(wired[0].model)
-        plan = bus_plan.cycle(protocol, wired, fast=True)
-        least = plan.seconds(baud, rate_hz)
-        loads.append(BusLoad(
-            name, baud, len(wired), plan.taken(baud, rate_hz), least, least * rate_hz,
-            plan.largest_rate(baud, _SHARE_OF_TICK),
-            tuple(bus_plan.remedies(protocol, wired, baud, _SHARE_OF_TICK)),
-            tuple(bus_plan.costs(protocol, wired, baud, _SHARE_OF_TICK))))
-    return loads
-
-
-class SupplyLoad(NamedTuple):
-    """What the servos may draw, against what the supply gives."""
-
-    stall_a: float  # all of them stalled at once, by their data sheets
-    unknown: int  # servos whose data sheet has no stall current: by torque constant and resistance
-    stated_a: float | None
-    supply_v: float  # without load
-    sag_v: float  # that the stall current would take from it
-
-
-def supply_load(blueprint: Blueprint) -> SupplyLoad:
-    """Add up what all servos draw when they are stalled at once."""
-    models = [blueprint.servos[row.servo] for row in blueprint.hardware.joints.values()]
-    power = blueprint.hardware.power
-    stall = [
-        model.specification.rated.stall_current_a
-        or model.specification.rated.voltage_v / model.motor.resistance_ohm for model in models]
-    unknown = sum(model.specification.rated.stall_current_a is None for model in models)
-    supply = power.supply_v or max(model.specification.rated.voltage_v for model in models)
-    return SupplyLoad(sum(stall), unknown, power.max_current_a, supply, sum(stall) * power.internal_resistance_ohm)
