@@ -15,7 +15,8 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from robotwalk.model import ContactSettings, RobotModel
+from robotwalk.model import RobotModel
+from robotwalk.settings import ContactSettings
 from robotwalk.statics import GRAVITY, LegStatics
 from robotwalk.types import DriveResponse, FootSwitch, JointState, Vec3
 

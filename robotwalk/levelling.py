@@ -7,7 +7,7 @@ body does as it is told but for the ground's slope and its legs' give, the corre
 Where the tilt is not known both ease back to none, as they do when the robot is to sit down.
 """
 
-from robotwalk.model import LevellingSettings
+from robotwalk.settings import LevellingSettings
 from robotwalk.types import Pose, Tilt
 
 _AT_REST = 2e-3  # rad, and per s

@@ -4,22 +4,22 @@ Joints are ordered leg by leg as in the robot's file, and along each leg from th
 """
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from robotwalk.config.safety import SafetyConfig
-from robotwalk.config.schema import (
-    ContactConfig,
-    LegConfig,
-    LevellingConfig,
-    LocomotionConfig,
-    OrientationConfig,
-    ReactionConfig,
-    RobotConfig,
-    Solver,
+from robotwalk.config.schema import LegConfig, LocomotionConfig, RobotConfig, Solver
+from robotwalk.settings import (
+    ContactSettings,
+    Heights,
+    Leads,
+    LevellingSettings,
+    MotionLimits,
+    OrientationSettings,
+    Reactions,
 )
 from robotwalk.swing_paths import SwingPath, swing_path
 from robotwalk.types import Vec3
@@ -65,89 +65,6 @@ class Leg:
     def span(self) -> slice:
         """Where its joints lie in the robot's joint order."""
         return slice(self.first, self.first + len(self.joints))
-
-
-class Heights(NamedTuple):
-    """Heights of the base's origin above the ground, m."""
-
-    sit: float
-    stand: float
-    lowest: float
-    highest: float
-
-
-class MotionLimits(NamedTuple):
-    """How fast the body may go."""
-
-    speed: float  # m/s
-    turn: float  # rad/s
-    acceleration: float  # m/s^2
-    turn_acceleration: float  # rad/s^2
-    min_swing: float  # s
-
-
-class LevellingSettings(NamedTuple):
-    """How the body is kept level; see `LevellingConfig`."""
-
-    c1: float  # 1/s^2
-    c2: float  # 1/s
-    limit: float  # rad
-
-
-class Reactions(NamedTuple):
-    """How the body answers to its feet; gains without unit."""
-
-    height: float
-    weights: tuple[float, ...]  # of the legs, adding up to 1
-    bob: float
-    turn: float
-    turn_by: Literal["angles", "forward"]
-    damping: float  # s
-    largest_bob: float  # m
-    largest_turn: float  # rad
-
-    @property
-    def off(self) -> bool:
-        """Tell whether the body does not answer at all."""
-        return self.height == self.bob == self.turn == 0.0
-
-
-class ContactSettings(NamedTuple):
-    """What the feet do about the ground that they feel; see `ContactConfig`."""
-
-    early_touchdown: bool
-    step_over: bool
-    reach_down: float  # m
-    search: bool
-    slip: bool
-    caution: float  # m
-    fastest: float  # m/s of any foot over the ground
-    share_load: bool = False
-    sure_after: float = 0.0  # s
-    gaits: tuple[str, ...] | None = None  # None: all
-    wait_for_footing: bool = True
-    out_of_turn: bool = True
-    goals_after: float = 0.5  # of a tick
-    creep: float = 0.1  # rad/s
-
-
-class OrientationSettings(NamedTuple):
-    """How the body follows the ground; see `OrientationConfig`."""
-
-    mode: Literal["cheap", "full", "as_needed"]
-    c1: float  # 1/s^2
-    c2: float  # 1/s
-    frontal_bias: float
-    share: float
-    in_swing: bool
-    plumb: bool = True
-
-
-class Leads(NamedTuple):
-    """By what goals lead; see `FeedForwardConfig`."""
-
-    lag: bool = True
-    load: bool = True
 
 
 @dataclass(frozen=True)
@@ -217,8 +134,7 @@ class RobotModel:
     def from_config(cls, config: RobotConfig) -> "RobotModel":
         """Convert a validated file to SI units."""
         skeleton, motion = config.skeleton, config.locomotion
-        heights = Heights(*(_metres(h) for h in (
-            motion.height_mm.sit, motion.height_mm.stand, motion.height_mm.lowest, motion.height_mm.highest)))
+        heights = Heights.from_config(motion.height_mm)
         foot_radius = _metres(skeleton.foot.radius_mm)
         legs: list[Leg] = []
         first = 0
@@ -233,49 +149,16 @@ class RobotModel:
             foot_radius=foot_radius,
             foot_mass=skeleton.foot.mass_g * 1e-3,
             heights=heights,
-            motion=MotionLimits(
-                speed=motion.max_speed_mps,
-                turn=math.radians(motion.max_turn_deg_s),
-                acceleration=motion.acceleration_mps2,
-                turn_acceleration=math.radians(motion.turn_acceleration_deg_s2),
-                min_swing=motion.min_swing_s,
-            ),
-            reactions=_reactions(motion.reaction, skeleton.legs),
-            levelling=_levelling(motion.levelling),
-            contact=_contact(motion.contact),
-            orientation=_orientation(motion.orientation),
+            motion=MotionLimits.from_config(motion),
+            reactions=Reactions.from_config(motion.reaction, skeleton.legs),
+            levelling=LevellingSettings.from_config(motion.levelling) if motion.levelling else None,
+            contact=ContactSettings.from_config(motion.contact) if motion.contact else None,
+            orientation=OrientationSettings.from_config(motion.orientation) if motion.orientation else None,
             leads=Leads(motion.feed_forward.lag, motion.feed_forward.load),
             holds_course=motion.hold_course,
             tells_stability=motion.stability,
             safety=config.safety,
         )
-
-
-def _levelling(config: LevellingConfig | None) -> LevellingSettings | None:
-    if config is None:
-        return None
-    return LevellingSettings(config.c1_per_s2, config.c2_per_s, math.radians(config.limit_deg))
-
-
-def _reactions(config: ReactionConfig, legs: Iterable[str]) -> Reactions:
-    weights = [config.weights.get(leg, 1.0) for leg in legs]
-    return Reactions(
-        config.height, tuple(weight / sum(weights) for weight in weights), config.bob, config.turn, config.turn_by,
-        config.damping_s, _metres(config.largest_bob_mm), math.radians(config.largest_turn_deg))
-
-
-def _contact(config: ContactConfig | None) -> ContactSettings | None:
-    return None if config is None else ContactSettings(
-        config.early_touchdown, config.step_over, _metres(config.reach_down_mm), config.search, config.slip,
-        _metres(config.caution_mm), math.inf if config.up_to_mps is None else config.up_to_mps,
-        config.share_load, 1e-3 * config.sure_after_ms, None if config.gaits is None else tuple(config.gaits),
-        config.wait_for_footing, config.out_of_turn, config.goals_after, config.creep_rad_s)
-
-
-def _orientation(config: OrientationConfig | None) -> OrientationSettings | None:
-    return None if config is None else OrientationSettings(
-        config.mode, config.c1_per_s2, config.c2_per_s, config.frontal_bias, config.share, config.in_swing,
-        config.plumb)
 
 
 def _metres(millimetres: float) -> float:

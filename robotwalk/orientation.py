@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from robotwalk.model import Leg, OrientationSettings, RobotModel
+from robotwalk.model import Leg, RobotModel
 from robotwalk.plumb import Turn
+from robotwalk.settings import OrientationSettings
 from robotwalk.types import Pose, Vec3
 
 _BESIDE = 1e-3  # m; a leg nearer than this to the body's middle line belongs to both sides

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 
 from robotwalk.body import Ramp, composed, placed
 from robotwalk.gait import Gait, GaitClock
-from robotwalk.model import Leg, Reactions, RobotModel
+from robotwalk.model import Leg, RobotModel
 from robotwalk.pseudo_physics import Particle, mean_height
+from robotwalk.settings import Reactions
 from robotwalk.stepping import Footfalls
 from robotwalk.types import LEVEL, Pose, Vec3
 

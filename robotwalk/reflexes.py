@@ -10,9 +10,9 @@ from random import Random
 from robotwalk.barriers import GivingUp
 from robotwalk.foot import Foot
 from robotwalk.gait import Sector
-from robotwalk.model import ContactSettings
 from robotwalk.search import Phase, Search
 from robotwalk.senses import Sense
+from robotwalk.settings import ContactSettings
 from robotwalk.swing import Swing
 from robotwalk.types import Vec3
 

@@ -8,8 +8,8 @@ import math
 from enum import Enum
 from random import Random
 
-from robotwalk.model import ContactSettings
 from robotwalk.plumb import Turn
+from robotwalk.settings import ContactSettings
 from robotwalk.swing import Swing
 from robotwalk.swing_paths import SwingPath
 from robotwalk.types import Vec3

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from robotwalk.gait import Gait, GaitClock
-from robotwalk.model import MotionLimits
 from robotwalk.pseudo_physics import Stage, step_at
+from robotwalk.settings import MotionLimits
 from robotwalk.types import STILL, Twist
 
 _BRAKING = 3.0  # times the acceleration, before a leg is over-stretched

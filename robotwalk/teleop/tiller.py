@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from robotwalk.model import Heights, MotionLimits
+from robotwalk.settings import Heights, MotionLimits
 from robotwalk.teleop.layout import CENTRED, Act, Faster, Lean, Stick
 from robotwalk.types import LEVEL, STILL, Command, Twist
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 
 from robotwalk.levelling import Levelling
-from robotwalk.model import LevellingSettings
+from robotwalk.settings import LevellingSettings
 from robotwalk.types import LEVEL, Pose, Tilt
 
 SETTINGS = LevellingSettings(36.0, 12.0, math.radians(12.0))

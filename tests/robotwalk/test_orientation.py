@@ -5,8 +5,9 @@ import math
 import pytest
 
 from robotwalk import assembly
-from robotwalk.model import OrientationSettings, RobotModel
+from robotwalk.model import RobotModel
 from robotwalk.orientation import Orientation
+from robotwalk.settings import OrientationSettings
 from robotwalk.types import LEVEL, Vec3
 
 DT = 0.01

@@ -8,7 +8,8 @@ from typing import NamedTuple
 from robotwalk import assembly
 from robotwalk.controller import twist_of
 from robotwalk.estimator import Estimate
-from robotwalk.model import MotionLimits, RobotModel
+from robotwalk.model import RobotModel
+from robotwalk.settings import MotionLimits
 from robotwalk.types import LEVEL, STILL, Command, Pose, Twist
 
 SECONDS = 20.0
