@@ -131,7 +131,8 @@ class Controller:
             rocked, self._clock, self._footfalls, self._body.course, not self._idle, dt)
         footfalls = self._footfalls = self._step_feet(twist, estimate, dt)
         angles, reach_error = self._angles(footfalls, dt)
-        statics = self._bearing.step(angles, tilted(self._pose, estimate.tilt), footfalls.planted, dt)
+        statics = self._bearing.step(
+            angles, tilted(self._pose, estimate.tilt), self._body.carried, footfalls.planted, dt)
         self._loads = statics.loads
         at_rest = self._idle and self._sway.at_rest and self._rocking.at_rest and self._reaction.at_rest
         settled = at_rest and self._body.settled(height, posture)
@@ -216,7 +217,8 @@ class Controller:
         until_lift_off = self._stance.until_lift_off(clock)
         if not balanced:
             return self._sway.release(until_lift_off)
-        return self._sway.plan(clock, self._footfalls, self._foot_course, pose, twist, until_lift_off)
+        over_feet = pose._replace(z=self._body.carried)
+        return self._sway.plan(clock, self._footfalls, self._foot_course, over_feet, twist, until_lift_off)
 
     def _over_ground(self, pose: Pose, dt: float) -> Pose:
         """Lay the body over its feet."""

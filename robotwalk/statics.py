@@ -226,12 +226,15 @@ class Bearing:
         self._legs = tuple((leg.span, leg.mount, LegMasses(leg, model.foot_mass)) for leg in model.legs)
         self._shares = [0.0] * len(model.legs)
 
-    def step(self, angles: Sequence[float], pose: Pose, planted: Sequence[bool], dt: float) -> Statics:
+    def step(
+        self, angles: Sequence[float], attitude: Pose, height: float, planted: Sequence[bool], dt: float
+    ) -> Statics:
         """Advance by `dt` s.
 
         Args:
             angles: of all joints, rad.
-            pose: of the body; down to its seat, the ground takes over from the feet.
+            attitude: of the body: its roll and its pitch.
+            height: of the body over its feet, m; down to its seat, the ground takes over from them.
             planted: which feet stand.
             dt: s since the last step.
         """
@@ -239,7 +242,7 @@ class Bearing:
         self._shares = [
             min(share + change, 1.0) if stands else max(share - change, 0.0)
             for share, stands in zip(self._shares, planted, strict=True)]
-        up = up_in_base(pose.roll, pose.pitch)
+        up = up_in_base(attitude.roll, attitude.pitch)
         legs: list[LegStatics] = []
         mx = my = mz = 0.0
         for span, _, masses in self._legs:
@@ -247,7 +250,7 @@ class Bearing:
             legs.append(leg)
             mx, my, mz = mx + x, my + y, mz + z
         mass = self._mass
-        borne = min(max((pose.z - self._seat) / _SEATING, 0.0), 1.0)
+        borne = min(max((height - self._seat) / _SEATING, 0.0), 1.0)
         loads = shared_loads(
             [leg.foot for leg in legs], self._shares, Vec3(mx / mass, my / mass, mz / mass), borne * self._weight, up)
         torques: list[float] = []

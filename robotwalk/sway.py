@@ -68,7 +68,7 @@ class Sway:
             clock: the needle of a gait that asks for balance.
             footfalls: the feet.
             course: of the body, in odom.
-            pose: of the body without the shift, in odom.
+            pose: of the body without the shift, in odom, but its height is that over the feet.
             twist: in force.
             until_lift_off: s to the next one.
         """

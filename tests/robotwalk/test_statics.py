@@ -81,10 +81,10 @@ def test_a_robot_at_rest_bears_its_weight_and_a_seated_one_none(model: RobotMode
     angles, planted = resting_angles(model, model.heights.stand), (True,) * len(model.legs)
     bearing = Bearing(model)
     for _ in range(50):
-        statics = bearing.step(angles, LEVEL._replace(z=model.heights.stand), planted, 0.01)
+        statics = bearing.step(angles, LEVEL, model.heights.stand, planted, 0.01)
     assert sum(statics.loads) == pytest.approx(model.mass * GRAVITY)
     centre = centre_of_mass(model, angles)
     moment = sum(load * (leg.foot.x - centre.x) for load, leg in zip(statics.loads, statics.legs, strict=True))
     assert moment == pytest.approx(0.0, abs=0.02)
-    seated = bearing.step(angles, LEVEL._replace(z=model.heights.sit), planted, 0.01)
+    seated = bearing.step(angles, LEVEL, model.heights.sit, planted, 0.01)
     assert seated.loads == pytest.approx((0.0,) * len(planted))

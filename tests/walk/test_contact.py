@@ -1,10 +1,12 @@
 """The hexapod feels the ground and walks over it, judged by what its body really does."""
 
 from functools import partial
+from pathlib import Path
 
 import pytest
 
 from robotwalk import assembly
+from robotwalk.testing import FakeRobot
 
 from . import contact_rig, rig
 
@@ -54,6 +56,18 @@ def test_it_goes_down_an_edge_of_five_centimetres() -> None:
     assert not report["fell"]
     assert not any(event["kind"] == "edge" for event in report["events"])
     assert report["displacement"]["z"] == pytest.approx(-0.05, abs=0.02)
+
+
+def test_far_below_where_it_began_its_body_does_not_sag(tmp_path: Path) -> None:
+    path = tmp_path / "down.yaml"
+    edge = "  - {element: drop, depth_mm: 35}\n  - {element: level, length_mm: 150}\n"
+    path.write_text(f"schema: 1\nname: down\ndescription: three edges of 35 mm\ncourse:\n{3 * edge}")
+    with FakeRobot("hexapod", terrain=str(path)) as fake:
+        fake.robot.stand()
+        fake.robot.walk(vx=0.06, seconds=16.0)
+        fake.robot.walk(seconds=1.0)
+        assert fake.base.z == pytest.approx(fake.robot.model.heights.stand - 3 * 0.035, abs=1.5e-3)
+        assert not fake.fell
 
 
 def test_it_walks_fast_without_waiting_for_what_it_feels() -> None:
