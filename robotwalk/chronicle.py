@@ -50,6 +50,7 @@ class Chronicle:
         self._seconds = 0.0
         self._time = 0  # ns, of the last tick
         self._barred: Barrier | None = None
+        self._recalled: str | None = None
 
     def add(self, tick: Tick, command: Command, dt: float) -> None:
         """Note what is new in a tick, `dt` s after the one before, in which `command` was in force."""
@@ -65,6 +66,9 @@ class Chronicle:
         barred, self._barred = self._barred, tick.wanted.barred
         if self._barred is not None and self._barred != barred:
             self.note(self._barred.kind, _BARRED[self._barred.kind])
+        recalled, self._recalled = self._recalled, tick.wanted.recalled
+        if self._recalled is not None and self._recalled != recalled:
+            self.note("stance", self._recalled)
         self._seconds += dt
         for kind, watch, heard in self._watches:
             news = watch.step(heard(tick.estimate), self._seconds)

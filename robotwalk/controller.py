@@ -19,6 +19,7 @@ from robotwalk.reach import Ranges
 from robotwalk.reaction import Reaction
 from robotwalk.rocking import Rocking
 from robotwalk.senses import BodyInOdom, Sense
+from robotwalk.stance_reflex import StanceReflex
 from robotwalk.statics import Bearing, LegStatics
 from robotwalk.steering import Steering
 from robotwalk.stepping import FLAT, Footfalls, Stepping
@@ -46,6 +47,7 @@ class Wanted(NamedTuple):
     seated: bool  # lowered, all feet at rest
     barriers: tuple[Barrier, ...] = ()  # where the body is
     barred: Barrier | None = None  # what bars the way that is commanded: the robot stands
+    recalled: str | None = None  # the leg that steps back to rest, and why, in words
 
 
 NOTHING_WANTED = Wanted((), STILL, 1.0, (), (), (), LEVEL, 0.0, standing=False, seated=False)
@@ -87,6 +89,9 @@ class Controller:
         self._foot_course = self._body.course  # the body's, brought down its own axis to the ground
         self._stepping = Stepping(model, self._foot_course)
         self._stance = self._stepping.stance
+        self._reflex = StanceReflex(model, self._gaits.values()) if model.stance_reflex else None
+        self._standing = False  # at rest
+        self._recalled: str | None = None
         self._change = GaitChange(self._clock, self._body, self._stance)
         self._orientation = Orientation(model, model.orientation) if model.orientation is not None else None
         self._footfalls = self._stepping.footfalls()
@@ -110,7 +115,7 @@ class Controller:
             angles = unfold.step(0.0 if state in (State.READY, State.HELD) else dt)
             return NOTHING_WANTED._replace(
                 angles=angles, planted=self._stepping.footfalls().planted, torques=self._no_torques)
-        gait = self._gaits[command.gait or self._default_gait]
+        gait = self._keep_stance(state, command, estimate, self._gaits[command.gait or self._default_gait], dt)
         carriage = self._carriage(state, command, gait)
         height, posture = carriage.height, carriage.posture
         shaped, bearable = self._shape(state, command, estimate, gait, carriage, dt)
@@ -136,11 +141,34 @@ class Controller:
         self._loads = statics.loads
         at_rest = self._idle and self._sway.at_rest and self._rocking.at_rest and self._reaction.at_rest
         settled = at_rest and self._body.settled(height, posture)
+        self._standing = settled and state in (State.STAND, State.WALK)
         lowered = height == self._model.heights.sit and (self._levelling is None or self._levelling.at_rest)
         return Wanted(
             angles, twist, shaped.scale, footfalls.planted, statics.torques, statics.legs, self._pose, reach_error,
-            standing=settled and state in (State.STAND, State.WALK), seated=settled and lowered,
-            barriers=self._barriers.near, barred=self._barred)
+            standing=self._standing, seated=settled and lowered, barriers=self._barriers.near, barred=self._barred,
+            recalled=self._recalled)
+
+    def _keep_stance(self, state: State, command: Command, estimate: Estimate, gait: Gait, dt: float) -> Gait:
+        """Have a leg that is out of its place step back; return the gait to go on in, for that or as commanded."""
+        reflex, stepping = self._reflex, self._stepping
+        if reflex is None:
+            return gait
+        if state not in (State.STAND, State.WALK) or command.twist != STILL or self._barriers.near:
+            reflex.forget()
+            stepping.recall(None)
+        elif not self._standing or not estimate.feet:
+            reflex.pause()
+        else:
+            recall = reflex.step(
+                estimate.feet, estimate.felt if self._felt else (), self._footfalls.centres, self._pose,
+                self._foot_course, gait, dt)
+            if recall is not None:
+                stepping.recall(recall.leg)
+                self._recalled = f"{self._model.legs[recall.leg].name} steps back to rest: {recall.why}"
+        if stepping.recalled is None:
+            self._recalled = None
+            return gait
+        return reflex.gait(gait)
 
     def _shape(
         self, state: State, command: Command, estimate: Estimate, gait: Gait, carriage: Carriage, dt: float
@@ -203,7 +231,7 @@ class Controller:
         still = twist == STILL and self._fastest_foot == 0.0
         self._idle = still and self._stance.settled(self._foot_course, anywhere=anywhere)
         if was_idle and not self._idle:
-            self._clock.rewind()
+            self._clock.rewind(self._stepping.recalled)
             self._change.set_off()
         elif not self._idle and not self._waiting and not self._footfalls.late:
             self._clock.advance(twist, dt, bearable, period, part)

@@ -36,6 +36,7 @@ class Foot:
         overdue: whether its swing takes longer than its sector.
         touched_for: for how long it has felt something while it searches, s.
         found: whether it stands where it found ground, not where it was sent.
+        recalled: whether it is to step back to rest, wherever it was told to stand.
         hindering: whether waiting for its turn would over-stretch it, and so holds the body back.
         borne_for: for how long it has been felt to stand since it was set down, s.
         lost_for: for how long it has stood without the load that it should bear, s.
@@ -58,7 +59,7 @@ class Foot:
         self.bumps = 0
         self.overdue = False
         self.lost_for = self.touched_for = self.borne_for = 0.0
-        self.found = self.hindering = False
+        self.found = self.hindering = self.recalled = False
         self.off = _NOT_OFF
 
     def plant(self, place: Vec3) -> None:
@@ -75,6 +76,7 @@ class Foot:
 
     def _land(self) -> None:
         self.swing = self.sector = self.search = None
+        self.recalled = False
         self.bumps = 0
         self.overdue = False
         self.lost_for = self.touched_for = self.borne_for = 0.0
@@ -120,7 +122,7 @@ class Foot:
 
     def at_rest(self, course: Pose) -> bool:
         """Tell whether the foot is so near its rest position that it need not step."""
-        return self.displacement(course) <= (_NEAR_REST if self.found else _AT_REST)
+        return not self.recalled and self.displacement(course) <= (_NEAR_REST if self.found else _AT_REST)
 
     def lift_off(self, sector: Sector, share: float, path: SwingPath | None, lift: float) -> None:
         """Begin a swing, along another path than the leg's own if there is one."""

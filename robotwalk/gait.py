@@ -207,10 +207,11 @@ class GaitClock:
         self.gait = gait
         self.phase = phase
 
-    def rewind(self) -> None:
-        """Put the needle to the next lift-off at the slowest cadence, for a start from standing."""
+    def rewind(self, foot: int | None = None) -> None:
+        """Put the needle to the next lift-off, of one foot or any, at the slowest cadence: a start from standing."""
+        starts = self.gait.starts if foot is None else [sector.start for sector in self.gait.feet[foot]]
         self.period = self.gait.slowest_period
-        self.phase = min(self.gait.starts, key=lambda start: (start - self.phase) % 1.0)
+        self.phase = min(starts, key=lambda start: (start - self.phase) % 1.0)
 
 
 def _sectors(spans: Sequence[tuple[float, float]]) -> tuple[Sector, ...]:

@@ -85,6 +85,7 @@ class RobotModel:
     orientation: OrientationSettings | None = None
     leads: Leads = field(default_factory=Leads)
     holds_course: bool = True
+    stance_reflex: bool = True
     tells_stability: bool = True
     safety: SafetyConfig = field(default_factory=SafetyConfig)
 
@@ -156,6 +157,7 @@ class RobotModel:
             orientation=OrientationSettings.from_config(motion.orientation) if motion.orientation else None,
             leads=Leads(motion.feed_forward.lag, motion.feed_forward.load),
             holds_course=motion.hold_course,
+            stance_reflex=motion.stance_reflex,
             tells_stability=motion.stability,
             safety=config.safety,
         )

@@ -171,6 +171,16 @@ class Stepping:
             if foot.search is not None:
                 foot.anchor(foot.target)
 
+    @property
+    def recalled(self) -> int | None:
+        """The foot that is to step back to rest, or does, by its number."""
+        return next((index for index, foot in enumerate(self._feet) if foot.recalled), None)
+
+    def recall(self, index: int | None) -> None:
+        """Have a foot step back to rest, or none."""
+        for other, foot in enumerate(self._feet):
+            foot.recalled = other == index
+
     def turn(self, turn: Turn) -> None:
         """Have all feet turned with odom."""
         for foot in self._feet:

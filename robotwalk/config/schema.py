@@ -216,6 +216,7 @@ class LocomotionConfig(Section):
     orientation: OrientationConfig | None = None  # None: the body stays level and at one height
     feed_forward: FeedForwardConfig = FeedForwardConfig()
     hold_course: bool = True  # turn against what odometry sees of turns that nobody asked for
+    stance_reflex: bool = True  # while the robot stands, a leg that is out of its place steps back to rest
     stability: bool = True  # tell how far the centre of mass is inside the standing feet; it moves nothing
     feet: dict[str, FootfallConfig]
     reaction: ReactionConfig = ReactionConfig()

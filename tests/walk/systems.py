@@ -38,6 +38,7 @@ class Trial(NamedTuple):
     seconds: float = 20.0
     seed: int = 0
     servos_off_by: float = 0.0  # share
+    shove: float = 0.0  # N to the left, for half a second while it stands
 
 
 TRIALS = (
@@ -60,6 +61,7 @@ TRIALS = (
           terrain="ramp_8", speed=0.04),
     Trial("contact.wait_for_footing", "hexapod", {"locomotion.contact.wait_for_footing": False}, terrain="blocks_60"),
     Trial("contact.out_of_turn", "hexapod", {"locomotion.contact.out_of_turn": False}, terrain="stairs_40"),
+    Trial("stance_reflex", "hexapod", {"locomotion.stance_reflex": False}, speed=0.0, seconds=8.0, shove=20.0),
     Trial("orientation", "hexapod", {"locomotion.orientation": None}, terrain="ramp_15"),
     Trial("reaction", "hexapod", {}, {"locomotion.reaction": {"bob": 0.3, "turn": 0.5}}, speed=0.1, seconds=6.0),
     Trial(
@@ -101,15 +103,21 @@ def _walk(trial: Trial, keys: Keys) -> str:
         robot: str | assembly.Blueprint = _files(trial, keys, Path(folder))
         if trial.servos_off_by:
             robot = rig.varied(str(robot), trial.seed, trial.servos_off_by)
-        simulation = assembly.simulate(robot, terrain=trial.terrain, seed=trial.seed)
+        shove = {"at": 5.0, "for": 0.5, "fault": "push", "force_n": trial.shove, "direction_deg": 90}
+        simulation = assembly.simulate(
+            robot, terrain=trial.terrain, seed=trial.seed, faults=[shove] if trial.shove else [])
     heights: list[float] = []
     yaws: list[float] = []
+    off: list[float] = []  # mm that the farthest foot is from rest, by its joints
 
     def watch(tick: Any) -> None:
         if tick.state is State.WALK:
             base = simulation.world.truth().base
             heights.append(base.z)
             yaws.append(math.degrees(base.yaw))
+            off.append(1e3 * max(
+                math.dist(foot[:2], leg.rest_foot[:2]) if foot is not None else 0.0
+                for leg, foot in zip(simulation.blueprint.model.legs, tick.estimate.feet, strict=True)))
 
     simulation.robot.observers.append(watch)
     outing = Outing(simulation, Plan(trial.speed, 0.0, None, 0.0, None, trial.seconds, trial.gait))
@@ -120,8 +128,12 @@ def _walk(trial: Trial, keys: Keys) -> str:
         ended = f"; {error}"
     report = outing.report()
     later = slice(len(heights) // 3, 2 * len(heights) // 3)
+    share = report["distance_m"] / (trial.speed * trial.seconds) if trial.speed else math.nan
+    if trial.shove:
+        mended = any(event["kind"] == "mend" for event in report["events"])
+        ended += f"; a foot {max(off):.0f} mm off rest, at last {off[-1]:.0f}{'; a servo let go' if mended else ''}"
     return (
-        f"share {report['distance_m'] / (trial.speed * trial.seconds):.2f}, tilt {report['max_tilt_deg']:.1f}, "
+        f"share {share:.2f}, tilt {report['max_tilt_deg']:.1f}, "
         f"yaw {report['heading_change_deg']:+.1f} deg, lowest {1e3 * report['min_height_m']:.0f} mm, "
         f"height +-{500 * (max(heights[later]) - min(heights[later])):.1f} mm, "
         f"yaw +-{0.5 * (max(yaws[later]) - min(yaws[later])):.1f} deg"
