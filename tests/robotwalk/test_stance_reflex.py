@@ -93,8 +93,8 @@ def test_a_leg_that_is_stretched_steps_back_alone_and_the_body_stays_over_the_ot
 
 def test_the_leg_that_is_farthest_off_comes_first() -> None:
     standing = Standing("hexapod")
-    standing.dragged = {0: 0.03, 4: -0.05}  # of other tripods, but alone they step
-    assert standing.in_air(4.0) == [(4,), (0,)]
+    standing.dragged = {0: -0.05, 4: 0.03}  # of other tripods, but alone they step
+    assert standing.in_air(4.0) == [(0,), (4,)]
 
 
 def _barely(standing: Standing) -> None:
