@@ -1,6 +1,8 @@
 """Heat, current and voltage: the robot eases its walk before servos let go, and sits while it can."""
 
 import math
+import re
+from dataclasses import replace
 
 import pytest
 
@@ -48,6 +50,39 @@ def test_it_walks_slower_and_lower_then_sits_before_any_servo_lets_go(
     assert bystander.fastest_drop() < 0.12
     assert bystander.sees_it_down()
     assert bystander.safe_after(8.0) < 5.0
+
+
+def speeds(ticks: list[Tick], since: float, until: float) -> list[float]:
+    """Return how fast ahead the robot was to be in that time, s, m/s."""
+    return [tick.wanted.twist.vx for tick in ticks if since < tick.time * 1e-9 < until]
+
+
+def test_a_walk_whose_leg_is_held_fast_is_eased_for_the_current_that_takes_and_is_well_again_after() -> None:
+    # A leg that walks draws much only for part of a step: 0.4 of the limit in three readings on end is a load.
+    quadruped = assembly.load("quadruped")
+    safety = quadruped.model.safety.model_copy(update={"governor": GovernorConfig(current_ease=0.4)})
+    eased = replace(quadruped, model=replace(quadruped.model, safety=safety))
+    simulation = assembly.simulate(eased, faults=[{"at": 5.0, "fault": "stuck_joint", "joint": "lf_calf", "for": 1.0}])
+    bystander = Bystander(simulation)
+    ticks: list[Tick] = []
+    with simulation.robot as walker:
+        walker.stand()
+        walker.observers.append(ticks.append)
+        walker.walk(vx=0.05, gait="crawl", seconds=6.5)
+        told = [event.text for event in walker.events if event.kind == "governor"]
+    assert len(told) == 2
+    assert re.fullmatch(r"slower and lower, for the servo of lf_calf draws [12]\.\d A, of 3\.3 at most", told[0])
+    assert told[1] == "well again: at the usual speed and height"
+    assert max(speeds(ticks, 5.0, 5.5)) < 0.051
+    assert min(speeds(ticks, 5.0, 5.5)) > 0.045
+    assert max(speeds(ticks, 6.2, 6.7)) < 0.026
+    assert min(speeds(ticks, 9.1, 9.4)) > 0.045
+    usual, low, again = (max(look.height for look in bystander.seen if since < look.t < since + 0.2)
+                         for since in (4.8, 6.5, 9.2))
+    assert low < usual - 0.02
+    assert again == pytest.approx(usual, abs=2e-3)
+    assert bystander.largest_tilt() < 15.0
+    assert bystander.joints.beyond == bystander.joints.past_stops == {}
 
 
 class Bench:
