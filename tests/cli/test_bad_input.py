@@ -53,8 +53,8 @@ HEXAPOD = (library.root() / "robots" / "hexapod.yaml").read_text()
     (["walk"], 2, "ROBOT"),
     (["wander", "hexapod"], 2, "wander"),
 ])
-def test_a_wrong_command_line(robotwalk: Run, words: list[str], code: int, sentence: str) -> None:
-    result = robotwalk(*words)
+def test_a_wrong_command_line(run: Run, words: list[str], code: int, sentence: str) -> None:
+    result = run(*words)
     assert result.code == code
     assert sentence in result.err
     assert result.out == ""
@@ -82,10 +82,10 @@ def test_a_wrong_command_line(robotwalk: Run, words: list[str], code: int, sente
     ("skeleton:", "skeleton: [", r"robot.yaml:\d+:\d+: "),
     ("mass_g: 1150", "mass_g: heavy", r"skeleton\.body\.mass_g: .*number.*heavy"),
 ])
-def test_a_broken_robot_file(robotwalk: Run, tmp_path: Path, old: str, new: str, message: str) -> None:
+def test_a_broken_robot_file(run: Run, tmp_path: Path, old: str, new: str, message: str) -> None:
     assert old in HEXAPOD
     (tmp_path / "robot.yaml").write_text(HEXAPOD.replace(old, new, 1))
-    result = robotwalk("walk", "robot.yaml")
+    result = run("walk", "robot.yaml")
     assert result.code == 3
     assert result.out == ""
     assert re.search(message, result.err, re.MULTILINE), result.err
@@ -97,22 +97,22 @@ def test_a_broken_robot_file(robotwalk: Run, tmp_path: Path, old: str, new: str,
     ("schema: 1\nwaypoints_m:\n  - [1, 0]\n  - [1, 0]", r"path.yaml:4:5: waypoints_m\.1: .*than waypoint 0"),
     ("schema: 1\nfacing: left\nwaypoints_m: [[1, 0]]", r"path.yaml:2:9: facing: .*'kept' or 'ahead'.*'left'"),
 ])
-def test_a_broken_path_file(robotwalk: Run, tmp_path: Path, text: str, message: str) -> None:
+def test_a_broken_path_file(run: Run, tmp_path: Path, text: str, message: str) -> None:
     (tmp_path / "path.yaml").write_text(text)
-    result = robotwalk("walk", "hexapod", "--path", "path.yaml")
+    result = run("walk", "hexapod", "--path", "path.yaml")
     assert (result.code, result.out) == (3, "")
     assert re.search(message, result.err, re.MULTILINE), result.err
 
 
-def test_a_wrong_word_costs_no_log_of_yesterday(robotwalk: Run, tmp_path: Path) -> None:
+def test_a_wrong_word_costs_no_log_of_yesterday(run: Run, tmp_path: Path) -> None:
     (tmp_path / "keep.mcap").write_text("yesterday")
-    assert robotwalk("walk", "hexapod", "--gait", "nosuch", "--log", "keep.mcap").code == 2
+    assert run("walk", "hexapod", "--gait", "nosuch", "--log", "keep.mcap").code == 2
     assert (tmp_path / "keep.mcap").read_text() == "yesterday"
 
 
-def test_several_mistakes_are_told_at_once_in_order(robotwalk: Run, tmp_path: Path) -> None:
+def test_several_mistakes_are_told_at_once_in_order(run: Run, tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").write_text(HEXAPOD.replace("mass_g: 3}", "mass_g: -3}").replace("sit: 30", "sit: low"))
-    err = robotwalk("check", "robot.yaml").err
+    err = run("check", "robot.yaml").err
     assert err.index("skeleton.foot.mass_g") < err.index("locomotion.height_mm.sit")
 
 

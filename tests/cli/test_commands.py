@@ -13,15 +13,15 @@ from .conftest import Run
 HEXAPODS = [name for name in library.names("robots") if name.startswith("hexapod")]
 
 
-def test_help_names_the_commands_and_the_exit_codes(robotwalk: Run) -> None:
-    result = robotwalk("--help")
+def test_help_names_the_commands_and_the_exit_codes(run: Run) -> None:
+    result = run("--help")
     assert result.code == 0
     for word in ("walk", "check", "list", "bench", "Exit codes", "safety stop"):
         assert word in result.out
 
 
-def test_walk_help_explains_every_option(robotwalk: Run) -> None:
-    out = robotwalk("walk", "--help").out
+def test_walk_help_explains_every_option(run: Run) -> None:
+    out = run("walk", "--help").out
     for option in ("--gait", "--speed", "--direction", "--heading", "--turn", "--goto", "--path", "--height",
                    "--duration", "--rate", "--seed", "--faults", "--log", "--gif", "--view", "--json"):
         assert option in out
@@ -74,8 +74,8 @@ def test_a_walk_leaves_a_film_and_a_log(robotwalk: Run, tmp_path: Path) -> None:
     assert (tmp_path / "walk.mcap").read_bytes()[:8] == b"\x89MCAP0\r\n"
 
 
-def test_a_goal_too_far_for_the_time_is_told(robotwalk: Run) -> None:
-    result = robotwalk("walk", "hexapod", "--goto", "-0.3,0.4", "--duration", "1", "--json")
+def test_a_goal_too_far_for_the_time_is_told(run: Run) -> None:
+    result = run("walk", "hexapod", "--goto", "-0.3,0.4", "--duration", "1", "--json")
     assert result.code == 1
     assert "the goal was not reached within 1.0 s, 0.4" in result.err
     goal = result.json["goal"]
@@ -83,41 +83,41 @@ def test_a_goal_too_far_for_the_time_is_told(robotwalk: Run) -> None:
     assert goal["miss_m"] + result.json["distance_m"] == pytest.approx(0.5, abs=0.01)
 
 
-def test_a_negative_speed_walks_backwards(robotwalk: Run) -> None:
-    report = robotwalk("walk", "hexapod", "--speed", "-0.05", "--duration", "2", "--json").json
+def test_a_negative_speed_walks_backwards(run: Run) -> None:
+    report = run("walk", "hexapod", "--speed", "-0.05", "--duration", "2", "--json").json
     assert report["displacement"]["x"] == pytest.approx(-0.1, rel=0.15)
     assert report["distance_m"] == pytest.approx(0.1, rel=0.15)
     assert report["commanded"]["vx"] == pytest.approx(-0.05)
 
 
 @pytest.mark.parametrize("kind", ["robots", "servos", "gaits"])
-def test_list_names_everything_that_is_bundled(robotwalk: Run, kind: library.Kind) -> None:
-    listed = robotwalk("list", kind, "--json").json
+def test_list_names_everything_that_is_bundled(run: Run, kind: library.Kind) -> None:
+    listed = run("list", kind, "--json").json
     names = [library.open_document(kind, file).value(("name",)) for file in library.names(kind)]
     assert [row["name"] for row in listed[kind]] == names
-    table = robotwalk("list", kind).out
+    table = run("list", kind).out
     assert all(name in table for name in names)
 
 
-def test_list_faults_explains_what_a_script_may_hold(robotwalk: Run) -> None:
-    rows = {row["name"]: row for row in robotwalk("list", "faults", "--json").json["faults"]}
+def test_list_faults_explains_what_a_script_may_hold(run: Run) -> None:
+    rows = {row["name"]: row for row in run("list", "faults", "--json").json["faults"]}
     assert rows["drop_reply"]["keys"]["rate"] == {
         "description": "share of each servo's replies", "required": False, "default": 1.0}
-    shown = robotwalk("list", "faults").out
+    shown = run("list", "faults").out
     for name, row in rows.items():
         assert f"{name}\n" in shown
         assert all(f"  {key}" in shown for key in row["keys"])
 
 
-def test_a_script_of_faults_befalls_a_walk(robotwalk: Run, tmp_path: Path) -> None:
+def test_a_script_of_faults_befalls_a_walk(run: Run, tmp_path: Path) -> None:
     (tmp_path / "faults.yaml").write_text("- {at: 3, for: 0.3, fault: drop_reply, joint: rr_tibia}\n")
-    report = robotwalk("walk", "hexapod", "--duration", "2", "--faults", "faults.yaml", "--json").json
+    report = run("walk", "hexapod", "--duration", "2", "--faults", "faults.yaml", "--json").json
     assert 5 <= report["bus"]["legs"]["lost_replies"] <= 8, "asked in vain in ever fewer of 30 ticks"
     assert not report["fell"]
 
 
-def test_list_gaits_tells_which_robots_each_fits(robotwalk: Run) -> None:
-    rows = [(row["name"], row["robots"]) for row in robotwalk("list", "gaits", "--json").json["gaits"]]
+def test_list_gaits_tells_which_robots_each_fits(run: Run) -> None:
+    rows = [(row["name"], row["robots"]) for row in run("list", "gaits", "--json").json["gaits"]]
     assert len(rows) == len(library.names("gaits"))
     for row in [
         ("crawl", ["quadruped"]), ("free", HEXAPODS), ("free", ["quadruped"]), ("ripple", HEXAPODS),
@@ -127,13 +127,13 @@ def test_list_gaits_tells_which_robots_each_fits(robotwalk: Run) -> None:
 
 
 @pytest.mark.parametrize("robot", library.names("robots"))
-def test_check_passes_every_bundled_robot(robotwalk: Run, robot: str) -> None:
-    result = robotwalk("check", robot, "--json")
+def test_check_passes_every_bundled_robot(run: Run, robot: str) -> None:
+    result = run("check", robot, "--json")
     assert (result.code, result.json["problems"]) == (0, [])
 
 
-def test_check_passes_the_bundled_robot(robotwalk: Run) -> None:
-    result = robotwalk("check", "hexapod", "--json")
+def test_check_passes_the_bundled_robot(run: Run) -> None:
+    result = run("check", "hexapod", "--json")
     assert result.code == 0
     report = result.json
     assert report["ok"] is True
@@ -155,32 +155,32 @@ def test_check_passes_the_bundled_robot(robotwalk: Run) -> None:
     assert gaits["wave"]["balance_margin_mm"] > gaits["tripod"]["balance_margin_mm"] > 0.0
 
 
-def test_check_shows_the_calibration_and_says_where_it_is_wrong(robotwalk: Run, tmp_path: Path) -> None:
+def test_check_shows_the_calibration_and_says_where_it_is_wrong(run: Run, tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text((library.root() / "robots" / "quadruped.yaml").read_text())
     calibration = tmp_path / "mine.calibration.yaml"
     row = "lf_hip: {servo: sts3215, direction: 1, zero_deg: 2.5, verified: true, time: now}"
     calibration.write_text(f"schema: 1\nrobot: quadruped\njoints:\n  {row}\n")
-    result = robotwalk("check", "mine.yaml", "--json")
+    result = run("check", "mine.yaml", "--json")
     assert result.json["calibration"]["joints"] == {"lf_hip": {
         "servo": "sts3215", "direction": 1, "zero_deg": 2.5, "range_deg": None, "verified": True, "time": "now"}}
     calibration.write_text(f"schema: 1\nrobot: quadruped\njoints:\n  {row.replace('2.5', '200')}\n")
-    result = robotwalk("check", "mine.yaml")
+    result = run("check", "mine.yaml")
     assert result.code == 3
     assert result.err.startswith("mine.calibration.yaml:4:52: joints.lf_hip.zero_deg: the joint's limits")
 
 
-def test_check_fails_a_rate_that_the_bus_cannot_carry(robotwalk: Run) -> None:
-    result = robotwalk("check", "hexapod", "--rate", "250")
+def test_check_fails_a_rate_that_the_bus_cannot_carry(run: Run) -> None:
+    result = run("check", "hexapod", "--rate", "250")
     assert result.code == 1
     assert "bus legs needs 3.96 ms a tick, 99 % of it; the largest rate is 202 Hz" in result.out
 
 
-def test_bench_reports_the_fields_of_the_contract(robotwalk: Run) -> None:
-    tick = robotwalk("bench", "tick", "--seconds", "1", "--json").json
+def test_bench_reports_the_fields_of_the_contract(run: Run) -> None:
+    tick = run("bench", "tick", "--seconds", "1", "--json").json
     assert set(tick) == {"schema", "robot", "joints", "tick_us"}
     assert tick["joints"] == 18
     assert 0.0 < tick["tick_us"]["p50"] <= tick["tick_us"]["p99"]
-    sim = robotwalk("bench", "sim", "--rate", "100", "--seconds", "1", "--json").json
+    sim = run("bench", "sim", "--rate", "100", "--seconds", "1", "--json").json
     assert set(sim) == {"schema", "robot", "rate_hz", "realtime_factor", "bare_mj_step_factor", "ratio"}
     assert 0.0 < sim["ratio"] < 1.0
 
@@ -199,23 +199,23 @@ def test_bench_bus_measures_bytes_on_a_wire_beside_the_vendors_sdk(robotwalk: Ru
     assert found["reference"]["scservo-sdk"]["exchange_ms"] >= 0.9 * found["wire_ms"]
 
 
-def test_bench_bus_at_a_baud_that_the_servos_do_not_have(robotwalk: Run) -> None:
-    result = robotwalk("bench", "bus", "quadruped", "--baud", "4000000")
+def test_bench_bus_at_a_baud_that_the_servos_do_not_have(run: Run) -> None:
+    result = run("bench", "bus", "quadruped", "--baud", "4000000")
     assert result.code == 2
     assert "sts3215 does not have 4000000 baud; it has 1000000, 500000" in result.err
 
 
-def test_a_supply_that_cannot_feed_all_servos_at_stall_is_a_problem(robotwalk: Run, tmp_path: Path) -> None:
+def test_a_supply_that_cannot_feed_all_servos_at_stall_is_a_problem(run: Run, tmp_path: Path) -> None:
     text = library.open_document("robots", "hexapod").text
     (tmp_path / "mine.yaml").write_text(text.replace("hardware:\n", "hardware:\n  power: {max_current_a: 10}\n"))
-    result = robotwalk("check", "mine.yaml")
+    result = run("check", "mine.yaml")
     assert result.code == 1
     assert "problem: all servos stalled would draw 23.4 A; the supply is stated to give 10 A" in result.out
 
 
 @pytest.mark.parametrize("robot", ["hexapod", "octopod", "hexapod_xl330"])
-def test_the_plan_is_within_a_twentieth_of_what_the_simulated_wire_takes(robotwalk: Run, robot: str) -> None:
-    planned = max(bus["wire_ms"] for bus in robotwalk("check", robot, "--json").json["buses"].values())
-    report = robotwalk("walk", robot, "--duration", "0.5", "--speed", "0.04", "--json").json
+def test_the_plan_is_within_a_twentieth_of_what_the_simulated_wire_takes(run: Run, robot: str) -> None:
+    planned = max(bus["wire_ms"] for bus in run("check", robot, "--json").json["buses"].values())
+    report = run("walk", robot, "--duration", "0.5", "--speed", "0.04", "--json").json
     measured = report["timing"]["bus_us"]["p50"]
     assert measured == pytest.approx(1e3 * planned, rel=0.05)

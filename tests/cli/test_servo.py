@@ -1,6 +1,5 @@
 """`robotwalk servo` as a user runs it, on the buses of simulated robots that `robotwalk sim` serves."""
 
-import functools
 import json
 import os
 import signal
@@ -12,16 +11,9 @@ from typing import Any
 
 import pytest
 
-from robotwalk import assembly
-from robotwalk.cli.main import main
-
-from .conftest import COMMAND, Result, Run
+from .conftest import COMMAND, Run
 
 MISSING = "/dev/ttyNONE"
-load_servo = functools.cache(assembly.load_servo)  # or most of the time would go into reading YAML
-
-# `main` reads the words from sys.argv, as it should.
-pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 
 
 def serve(robot: str, folder: Path) -> subprocess.Popen[str]:
@@ -45,22 +37,6 @@ def buses(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
 @pytest.fixture(params=["dynamixel", "feetech"])
 def brand(request: pytest.FixtureRequest) -> str:
     return request.param
-
-
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Run `robotwalk` in this process, on a terminal of 100 columns, in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr(assembly, "load_servo", load_servo)
-
-    def run(*words: str) -> Result:
-        monkeypatch.setattr("sys.argv", ["robotwalk", *words])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        return Result(stop.value.code, *capsys.readouterr())
-
-    return run
 
 
 @pytest.fixture

@@ -13,8 +13,8 @@ from .conftest import Run
     ([], "the keyboard's input is no terminal"),
     (["--listen", "0.0.0.0:8765"], "put a token into ROBOTWALK_TOKEN"),
 ])
-def test_a_wrong_command_line(robotwalk: Run, words: list[str], says: str) -> None:
-    result = robotwalk("teleop", "hexapod", *words)
+def test_a_wrong_command_line(run: Run, words: list[str], says: str) -> None:
+    result = run("teleop", "hexapod", *words)
     assert result.code == 2
     assert says in result.err
     assert result.out == ""

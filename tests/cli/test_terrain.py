@@ -68,15 +68,15 @@ def test_a_body_on_a_slope_far_below_its_start_has_not_fallen(tmp_path: Path) ->
     (["bench", "course", "hexapod", "--seeds", "0"], "--seeds and --jobs should be at least 1"),
 ])
 def test_a_terrain_that_cannot_be_is_wrong_usage(
-    command: list[str], complaint: str, robotwalk: Run
+    command: list[str], complaint: str, run: Run
 ) -> None:
-    done = robotwalk(*command)
+    done = run(*command)
     assert done.code == 2
     assert complaint in done.err
 
 
-def test_the_bench_of_courses_tells_median_and_worst(robotwalk: Run) -> None:
-    told = robotwalk(
+def test_the_bench_of_courses_tells_median_and_worst(run: Run) -> None:
+    told = run(
         "bench", "course", "hexapod", "--terrain", "ramp_8", "--speed", "0.15", "--seconds", "4", "--seeds", "2",
         "--blind", "--json").json
     row, blind = told["courses"]
