@@ -16,8 +16,10 @@ help:
 walk: .venv/runtime
 	$(BIN)/robotwalk walk hexapod --speed 0.1 --duration 10 --gif walk.gif
 
+# One worker more than processors: tests that walk in real time mostly wait. Those have a worker of their own, and so
+# has each module whose tests share what is dear (`xdist_group`).
 test: .venv/dev
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n $$(($$(nproc) + 1)) --dist loadgroup
 
 fuzz: .venv/dev
 	$(BIN)/python -m tests.fuzz 100000

@@ -55,7 +55,7 @@ class Device(NamedTuple):
         return walk
 
     def await_motion(self) -> None:
-        deadline = time.monotonic() + 40.0
+        deadline = time.monotonic() + 60.0
         start = self.truth()["distance_m"]
         while self.truth()["distance_m"] < start + 0.05:
             assert time.monotonic() < deadline, "it does not walk"

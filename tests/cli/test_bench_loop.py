@@ -4,7 +4,11 @@ import json
 import shutil
 import subprocess
 
+import pytest
+
 from ..device import COMMAND
+
+pytestmark = pytest.mark.xdist_group("real time")
 
 
 def test_it_measures_the_loop_beside_a_bare_exchange_and_cyclictest() -> None:

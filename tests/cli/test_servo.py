@@ -13,6 +13,8 @@ import pytest
 
 from .conftest import COMMAND, Run
 
+pytestmark = pytest.mark.xdist_group("servo")
+
 MISSING = "/dev/ttyNONE"
 
 

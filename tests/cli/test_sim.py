@@ -18,6 +18,8 @@ from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS, GroupSyncRead, PacketHa
 
 from .conftest import COMMAND, Run
 
+pytestmark = pytest.mark.xdist_group("sim")
+
 ALL = range(1, 19)
 TORQUE_ENABLE, GOAL_POSITION, PRESENT_CURRENT, PRESENT_POSITION = 64, 116, 126, 132
 PROTOCOL = PacketHandler(2.0)

@@ -18,6 +18,8 @@ from robotwalk.types import JointState
 
 from ..device import served
 
+pytestmark = pytest.mark.xdist_group("bus contract")
+
 PERIOD = 20_000_000  # ns; these tests are about the bus, not about a busy machine's pace
 
 Opener = Callable[[], assembly.LocalSession]

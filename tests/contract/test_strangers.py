@@ -16,6 +16,8 @@ import scservo_sdk
 
 from ..device import last_truth, served
 
+pytestmark = pytest.mark.xdist_group("strangers")
+
 rustypot = pytest.importorskip("rustypot", reason="rustypot is not installed")
 TICK = math.tau / 4096
 

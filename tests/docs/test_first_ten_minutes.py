@@ -11,6 +11,8 @@ import pytest
 from ..device import COMMAND, served
 from ..teleop.rig import UNHURRIED, Kitty, await_that
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "first-ten-minutes.md").read_text()
 SHOWN = [
     (shlex.split(command)[1:], out.splitlines())

@@ -19,6 +19,8 @@ from websockets.sync.client import ClientConnection, connect
 from ..device import COMMAND
 from .rig import UNHURRIED, Kitty, Truth, await_that
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 PROGRAM = """
 import sys
 from websockets.sync.client import connect

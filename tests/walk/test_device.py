@@ -13,6 +13,8 @@ import pytest
 
 from ..device import COMMAND, Device, assert_seated, devices, loop_of
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 
 @pytest.fixture(params=["hexapod", "quadruped"])
 def device(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Device]:

@@ -17,6 +17,8 @@ from robotwalk.config import library
 
 from ..device import COMMAND, Device, assert_seated, devices, loop_of
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 
 @pytest.fixture(autouse=True)
 def own_runtime_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

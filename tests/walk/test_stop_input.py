@@ -19,6 +19,8 @@ from ..device import COMMAND, assert_seated, devices
 from ..hal.foot_switches.test_frames import framed
 from .test_loop_process import await_that, between, command, motion, tilt
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 INPUT = 3
 TOLD = "told to stop by the stop input (its input 3 is open)"
 
