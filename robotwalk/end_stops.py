@@ -16,7 +16,7 @@ _STIFFEST = 3.0  # rad that a goal yields per rad that the joint is past its wal
 _PACE = 0.5  # rad a tick, at which a joint at its wall may swing: faster, what was measured acts too late
 _DELAY = 1.5  # ticks, from what is measured to when it acts
 _DAMPED = 0.015  # s of the way ahead, past that
-_MOST = math.radians(12.0)  # that a goal yields
+_MOST = math.radians(20.0)  # that a goal yields; by then most servos give all they have
 
 
 class EndStops:
