@@ -15,6 +15,8 @@ pytest.importorskip("mjviser", reason="the extra robotwalk[view] is not installe
 CHROMIUM = shutil.which("chromium")
 URL = "http://127.0.0.1:8080"
 
+pytestmark = pytest.mark.xdist_group("viewer")  # there is one such port
+
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
 def test_a_browser_sees_the_robot_walk_and_stdout_is_left_to_the_data(tmp_path: Path) -> None:
