@@ -1,20 +1,17 @@
 """`robotwalk teleop`: a person or a program drives the robot, live."""
 
 import math
-import os
 import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
-
-from cyclopts import Parameter
 
 from robotwalk import assembly
+from robotwalk.cli.drivers import Drivers
 from robotwalk.cli.ending import run_to_end
-from robotwalk.cli.options import Faults, Flag, Log, Names, Rate, RobotName, Terrain, Where
+from robotwalk.cli.options import Faults, Flag, Log, Rate, RobotName, Terrain, Where
 from robotwalk.cli.output import abandon_stdout, complain, say, write_json
 from robotwalk.command_check import check_command
 from robotwalk.doctor.notify import Notify
@@ -23,23 +20,15 @@ from robotwalk.teleop import messages
 from robotwalk.teleop.ask import Device
 from robotwalk.teleop.bridge import Bridge
 from robotwalk.teleop.drive import Drive
-from robotwalk.teleop.layout import LayoutName
 from robotwalk.teleop.tiller import Tiller
 from robotwalk.teleop.told import Told
 from robotwalk.types import Command
 
-Input = Literal["keyboard", "gamepad", "socket"]
-Inputs = Annotated[list[Input] | None, Parameter(negative="")]
-
-_LISTEN = "127.0.0.1:8765"
-_TOKEN = "ROBOTWALK_TOKEN"  # of the environment: what is on a command line everybody can read
-
 
 def teleop(
-    robot: RobotName, /, *, input: Inputs = None, keys: LayoutName = "ros", listen: str | None = None,
-    origin: Names = None, gait: str | None = None, rate: Rate = assembly.RATE_HZ, where: Where = Where(),
-    seated: Flag = False, terrain: Terrain = None, faults: Faults = None, seed: int | None = None,
-    truth: Path | None = None, view: Flag = False, log: Log = None, json: Flag = False,
+    robot: RobotName, /, *, drivers: Drivers = Drivers(), gait: str | None = None, rate: Rate = assembly.RATE_HZ,
+    where: Where = Where(), seated: Flag = False, terrain: Terrain = None, faults: Faults = None,
+    seed: int | None = None, truth: Path | None = None, view: Flag = False, log: Log = None, json: Flag = False,
 ) -> int:
     """Stand up and be driven: a simulated robot in real time, or with --port or --real the one on a bus.
 
@@ -47,15 +36,6 @@ def teleop(
 
     Parameters
     ----------
-    input
-        What drives: keyboard, gamepad or socket; may be given several times. Default: the keyboard, if there is one.
-    keys
-        Of the keyboard: ros (u i o, j k l, m , . as teleop_twist_keyboard) or wasd. The screen shows them.
-    listen
-        HOST:PORT of the socket, by default 127.0.0.1:8765; implies --input socket. Beyond this computer clients need
-        the token that is in the environment's ROBOTWALK_TOKEN.
-    origin
-        Of web pages whose scripts may connect, such as http://localhost:8000. Programs need none.
     gait
         To begin with. Default: the first that it has of tripod, tetrapod, trot and wave.
     seated
@@ -80,7 +60,6 @@ def teleop(
         [name for name in blueprint.gaits if name not in blueprint.refused], gait or blueprint.default_gait)
     if terrain is not None:
         assembly.load_terrain(terrain)
-    inputs = _inputs(input, listen)
     with ExitStack() as stack:
         systemd = stack.enter_context(closing(Notify()))
         devices: list[Device] = []
@@ -90,15 +69,15 @@ def teleop(
             systemd.alive(now)
             screen(now, told, refusal)
 
-        for name in inputs:
-            devices.append(_open(name, blueprint, tiller, keys, listen or _LISTEN, origin or []))
-            stack.callback(devices[-1].close)
+        for device in drivers.opened(blueprint, tiller):
+            devices.append(device)
+            stack.callback(device.close)
         page: str | None = None
         what = "ports are opened" if where.on_bus else "a simulated robot starts"
         show(time.monotonic(), Told(note=f"wait: {what}"), None)
         if not where.on_bus:
-            device = stack.enter_context(assembly.own_device(robot, {**simulated, "hang": where.hang}))
-            ports, page = device.ports, device.page
+            served = stack.enter_context(assembly.own_device(robot, {**simulated, "hang": where.hang}))
+            ports, page = served.ports, served.page
         session = assembly.connect(blueprint, ports, real=where.real, rate_hz=rate, log=log)
         assembly.add_black_box(session)
         _say_ready(devices, page, json)
@@ -117,39 +96,6 @@ def _check_of(blueprint: assembly.Blueprint) -> Callable[[Command], None]:
     """Return what raises UsageError for a command that makes no sense for a robot."""
     return partial(
         check_command, model=blueprint.model, gaits=tuple(blueprint.gaits), refused=blueprint.refused)
-
-
-def _inputs(chosen: list[Input] | None, listen: str | None) -> list[Input]:
-    """Return what drives: by default the keyboard; or a socket alone, where one is asked for and there are no keys."""
-    inputs: list[Input] = list(dict.fromkeys(chosen or []))
-    if not inputs and (listen is None or sys.stdin.isatty()):
-        inputs.append("keyboard")
-    if listen is not None and "socket" not in inputs:
-        inputs.append("socket")
-    return inputs
-
-
-def _open(
-    name: Input, blueprint: assembly.Blueprint, tiller: Tiller, keys: LayoutName, listen: str, origins: list[str],
-) -> Device:
-    """Open an input device. Its module is loaded only now: not everybody has a gamepad.
-
-    Raises:
-        UsageError: it cannot be had.
-    """
-    if name == "keyboard":
-        from robotwalk.teleop.keyboard import Keyboard
-
-        return Keyboard(tiller, keys)
-    if name == "gamepad":
-        from robotwalk.teleop.gamepad import Gamepad
-
-        return Gamepad(tiller)
-    from robotwalk.teleop.websocket import Address, WebSocketDoor
-
-    return WebSocketDoor(
-        Address.parse(listen), blueprint.model.name, tuple(blueprint.gaits), token=os.environ.get(_TOKEN),
-        origins=origins)
 
 
 def _screen(
