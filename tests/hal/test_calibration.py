@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hal.calibration import Calibration
@@ -47,14 +47,12 @@ def test_the_nearest_tick_is_taken() -> None:
     assert MIRRORED.ticks(10.6 * TICK) == 2037
 
 
-@settings(deadline=None)
 @given(calibrations, st.floats(-7.0, 7.0))
 def test_there_and_back_is_within_half_a_tick(calibration: Calibration, angle: float) -> None:
     error = calibration.angle(calibration.ticks(angle)) - angle
     assert abs(error) <= 0.5 * calibration.radians_per_tick + 1e-9
 
 
-@settings(deadline=None)
 @given(calibrations, st.integers(-1048575, 1048575))
 def test_ticks_survive_the_way_to_radians_and_back(calibration: Calibration, ticks: int) -> None:
     assert calibration.ticks(calibration.angle(ticks)) == ticks

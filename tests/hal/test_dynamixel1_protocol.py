@@ -151,7 +151,7 @@ cuts = st.lists(st.integers(0, 500), max_size=8)
 class TestFuzz:
     """Three properties of 1000 streams each: noise, half frames, false headers and stale bytes."""
 
-    @settings(deadline=None, max_examples=1000)
+    @settings(max_examples=1000)
     @given(st.lists(feedback, max_size=4), cuts)
     def test_every_status_is_found_however_the_stream_is_cut(
         self, sent: list[tuple[int, int, bytes]], where: list[int]
@@ -162,7 +162,7 @@ class TestFuzz:
         assert [(status.id, status.data) for status in found] == [(servo_id, data) for servo_id, _, data in sent]
         assert receiver.bad_frames == 0
 
-    @settings(deadline=None, max_examples=1000)
+    @settings(max_examples=1000)
     @given(noises, st.integers(0, 12), feedback, feedback, cuts)
     def test_after_anything_the_next_exchange_is_heard(
         self, noise: bytes, kept: int, broken: tuple[int, int, bytes], whole: tuple[int, int, bytes], where: list[int]
@@ -174,7 +174,7 @@ class TestFuzz:
         [status] = receiver.feed(status_frame(*whole))
         assert (status.id, status.data) == (whole[0], whole[2])
 
-    @settings(deadline=None, max_examples=1000)
+    @settings(max_examples=1000)
     @given(feedback, st.integers(0, 11), st.integers(1, 255))
     def test_one_flipped_byte_makes_no_status_of_a_known_length(
         self, sent: tuple[int, int, bytes], position: int, flip: int

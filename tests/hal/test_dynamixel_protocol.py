@@ -4,7 +4,7 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hal.dynamixel_frames import Receiver
@@ -189,7 +189,6 @@ class TestReceiver:
         assert Receiver().feed(status_frame(9, 0x87, b"")) == [Status(9, 7, True, b"")]
         assert Receiver().feed(status_frame(9, 0x80, b"\x01")) == [Status(9, 0, True, b"\x01")]
 
-    @settings(deadline=None)
     @given(st.lists(statuses, max_size=5), cuts)
     def test_finds_every_status_however_the_stream_is_cut(self, sent: list[Status], where: list[int]) -> None:
         receiver = Receiver()
@@ -197,7 +196,6 @@ class TestReceiver:
         assert [s for piece in pieces(stream, where) for s in receiver.feed(piece)] == sent
         assert receiver.bad_frames == 0
 
-    @settings(deadline=None)
     @given(payloads, statuses, payloads, statuses, cuts)
     def test_finds_the_frames_in_noise(
         self, noise: bytes, first: Status, more: bytes, second: Status, where: list[int]
@@ -207,7 +205,6 @@ class TestReceiver:
         found = [s for piece in pieces(stream, where) for s in receiver.feed(piece)]
         assert found == [first, second]
 
-    @settings(deadline=None)
     @given(st.binary(max_size=300), cuts)
     def test_after_any_noise_the_next_status_is_found(self, noise: bytes, where: list[int]) -> None:
         receiver = Receiver()
@@ -225,7 +222,6 @@ class TestReceiver:
                 assert receiver.feed(bytes(garbled)) == []
                 assert receiver.feed(POSITION_STATUS * 2)[-1] == Status(1, 0, False, b"\xa6\x00\x00\x00")
 
-    @settings(deadline=None)
     @given(statuses, st.integers(0, 500), st.integers(1, 255), statuses)
     def test_a_flipped_byte_costs_one_frame_only(
         self, first: Status, position: int, flip: int, second: Status
@@ -392,7 +388,6 @@ class TestJointReply:
         reply.feed(fast_reply([(1, 0x80, b"\x01\x02"), (2, 0x07, b"\x00\x00")]))
         assert reply.results == {1: Status(1, 0, True, b"\x01\x02"), 2: Status(2, 7, False, b"\x00\x00")}
 
-    @settings(deadline=None)
     @given(st.lists(st.binary(min_size=7, max_size=7), min_size=1, max_size=18), cuts)
     def test_any_data_in_any_pieces(self, data: list[bytes], where: list[int]) -> None:
         blocks = [(servo_id, 0, block) for servo_id, block in enumerate(data)]

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hal.feetech_protocol import (
@@ -168,7 +168,6 @@ class TestReceiver:
     ) -> None:
         assert Receiver().feed(status_frame(9, error, b"\x01")) == [Status(9, 0, alert, b"\x01")]
 
-    @settings(deadline=None)
     @given(st.lists(statuses, max_size=5), cuts)
     def test_finds_every_status_however_the_stream_is_cut(self, sent: list[Status], where: list[int]) -> None:
         receiver = Receiver()
@@ -176,7 +175,6 @@ class TestReceiver:
         assert [s for piece in pieces(stream, where) for s in receiver.feed(piece)] == sent
         assert receiver.bad_frames == 0
 
-    @settings(deadline=None)
     @given(harmless, statuses, harmless, statuses, cuts)
     def test_finds_the_frames_in_noise(
         self, noise: bytes, first: Status, more: bytes, second: Status, where: list[int]
@@ -185,7 +183,6 @@ class TestReceiver:
         stream = noise + frame_of(first) + more + frame_of(second)
         assert [s for piece in pieces(stream, where) for s in receiver.feed(piece)] == [first, second]
 
-    @settings(deadline=None)
     @given(st.binary(max_size=300), cuts)
     def test_noise_is_survived_and_gone_after_a_reset(self, noise: bytes, where: list[int]) -> None:
         receiver = Receiver()
@@ -242,7 +239,6 @@ class TestReceiver:
 
 
 class TestFlippedByte:
-    @settings(deadline=None)
     @given(statuses, st.integers(0, 500), st.integers(1, 255))
     def test_no_status_of_the_same_length_comes_of_it(self, status: Status, position: int, flip: int) -> None:
         garbled = bytearray(frame_of(status))
@@ -270,7 +266,6 @@ class TestFlippedByte:
 
 
 class TestKnownLength:
-    @settings(deadline=None)
     @given(st.lists(equal_statuses, max_size=5), cuts)
     def test_finds_every_status_however_the_stream_is_cut(self, sent: list[Status], where: list[int]) -> None:
         receiver = Receiver(8)

@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hal import dynamixel1_protocol, dynamixel_protocol, feetech_protocol
@@ -124,7 +124,6 @@ class TestGroupReply:
         assert reply.complete
         assert reply.results == GOOD
 
-    @settings(deadline=None)
     @given(cuts=st.lists(st.integers(0, 100), max_size=6))
     def test_answers_may_come_in_any_pieces(self, brand: Brand, cuts: list[int]) -> None:
         reply = brand.read(IDS)
@@ -134,7 +133,6 @@ class TestGroupReply:
         assert reply.results == GOOD
         assert reply.bad_frames == 0
 
-    @settings(deadline=None)
     @given(data=st.lists(st.binary(min_size=4, max_size=4), min_size=1, max_size=8))
     def test_any_data_comes_through(self, brand: Brand, data: list[bytes]) -> None:
         answers = list(enumerate(data))

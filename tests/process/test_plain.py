@@ -18,7 +18,7 @@ def as_tuples(thing: Any) -> Any:
     return tuple(map(as_tuples, thing)) if isinstance(thing, (list, tuple)) else thing
 
 
-@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@settings(max_examples=25, suppress_health_check=[HealthCheck.data_too_large])
 @given(st.from_type(Report))
 def test_any_report_comes_back_as_it_was(report: Report) -> None:
     assert repr(REPORT.unpack(REPORT.pack(report))) == repr(as_tuples(report))  # by repr, for NaN is not itself

@@ -91,7 +91,7 @@ def followed(leg: Leg, part: list[float]) -> Iterator[float]:
         yield found.miss
 
 
-@settings(max_examples=30, derandomize=True, deadline=None)
+@settings(max_examples=30, derandomize=True)
 @given(arthropods, st.lists(st.floats(0.25, 0.75), min_size=5, max_size=5))
 def test_a_leg_of_any_number_of_joints_follows_its_foot_wherever_it_can_go(leg: Leg, part: list[float]) -> None:
     misses = list(followed(leg, part))
@@ -100,7 +100,7 @@ def test_a_leg_of_any_number_of_joints_follows_its_foot_wherever_it_can_go(leg: 
     assert max(misses) <= 0.01 * sum(joint.link.x for joint in leg.joints)
 
 
-@settings(max_examples=15, derandomize=True, deadline=None)
+@settings(max_examples=15, derandomize=True)
 @given(odd, shares)
 def test_an_odd_chain_keeps_its_limits_and_tells_by_how_much_it_misses(leg: Leg, part: list[float]) -> None:
     """Bent against its limits, such a chain may lose its target; it neither jumps nor claims to be there."""

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
@@ -294,7 +294,6 @@ class TestYaml:
         lines = ["a0: &a0 [1]", *(f"a{i}: &a{i} [*a{i - 1}, *a{i - 1}]" for i in range(1, 60))]
         assert Document.parse("\n".join(lines), "f.yaml").value(("a1", 0, 0)) == 1
 
-    @settings(deadline=None)
     @given(st.text(alphabet="a1 :,-[]{}&*!<>|?#'\"\n\t.%@\x07\ufeff", max_size=40))
     def test_no_text_raises_anything_else(self, text: str) -> None:
         with suppress(ConfigError):

@@ -40,7 +40,7 @@ def along(a: Vec3, b: Vec3, count: int) -> list[Vec3]:
     return [Vec3(*(p + index / count * (q - p) for p, q in zip(a, b, strict=True))) for index in range(count + 1)]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(points, points, points, points)
 def test_segments_are_as_far_apart_as_their_points(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> None:
     count = 40
@@ -65,7 +65,7 @@ def test_segments_by_hand(c: Vec3, d: Vec3, distance: float) -> None:
         assert between_segments(p, q, b, a) == pytest.approx(distance)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(points, points)
 def test_a_segment_is_as_far_from_a_box_as_its_points(a: Vec3, b: Vec3) -> None:
     half = Vec3(0.3, 0.2, 0.1)
@@ -82,7 +82,7 @@ def pose(model: RobotModel, shares: Sequence[float]) -> list[float]:
 shares = st.lists(st.floats(0.0, 1.0), min_size=18, max_size=18)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.sampled_from(sorted(MODELS)), shares)
 def test_the_quick_bound_is_one_and_who_is_not_looked_at_cannot_meet(name: str, drawn: list[float]) -> None:
     model = MODELS[name]
@@ -177,7 +177,7 @@ def test_a_foot_is_not_put_into_the_body() -> None:
     assert held.cuts["lf_femur", "collision"] == 0
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(st.sampled_from(sorted(MODELS)), st.lists(shares, min_size=3, max_size=3))
 def test_no_sequence_of_goals_brings_anything_together(name: str, targets: list[list[float]]) -> None:
     model = MODELS[name]
