@@ -80,13 +80,23 @@ def test_scan_at_the_wrong_baud_rate_finds_nobody(run: Run, buses: dict[str, str
     assert "no servo answers. Is it powered" in result.err
 
 
+def await_open(process: subprocess.Popen[str], port: str) -> None:
+    """Wait until a process has opened a port."""
+    deadline, device = time.monotonic() + 60.0, os.path.realpath(port)
+    while not any(os.path.realpath(link) == device for link in Path(f"/proc/{process.pid}/fd").iterdir()):
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.05)
+
+
 def test_ctrl_c_keeps_what_a_scan_has_found(buses: dict[str, str], brand: str) -> None:
     process = subprocess.Popen(
         [*COMMAND, "servo", "scan", "--json", "--port", buses[brand]], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         text=True)
-    time.sleep(3.5)
+    await_open(process, buses[brand])
+    time.sleep(4.0)  # the first of many baud rates takes 2.1 s
     os.kill(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=10)
+    out, err = process.communicate(timeout=60)
     assert process.returncode == 130
     found = json.loads(out)
     assert len(found["servos"]) == COUNT[brand]
