@@ -1,6 +1,5 @@
 """How a bus of Dynamixel fakes comes to power: what is found, mended, told and refused."""
 
-
 import numpy as np
 import pytest
 

@@ -1,6 +1,5 @@
 """What the servos tell of themselves beside their motion, on a bus of Dynamixel fakes."""
 
-
 import numpy as np
 import pytest
 
