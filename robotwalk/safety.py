@@ -9,9 +9,9 @@ from typing import NamedTuple
 from robotwalk.agreement import Agreement
 from robotwalk.controller import Wanted
 from robotwalk.falls import FallWatch
-from robotwalk.governor import Governor
+from robotwalk.governor import Governed, Governor
 from robotwalk.model import RobotModel
-from robotwalk.overruns import Overruns
+from robotwalk.overruns import Late, Overruns
 from robotwalk.ports import ServoBus
 from robotwalk.recovery import Recovery
 from robotwalk.stale_joints import StaleJoints
@@ -90,13 +90,7 @@ class Safety:
         patients, trouble = self._find(stale.silent, joints)
         if supervisor.state in (State.FAULT, State.STOP, State.HELD):
             patients.clear()
-        stuck: tuple[int, ...] = ()
-        if supervisor.state is State.WALK:
-            stuck = self._stuck.step(goals, wanted.torques, joints)
-            for slot in stuck:
-                patients.setdefault(slot, f"joint {self._joints[slot]} is stuck: it does not move as it is sent")
-        else:
-            self._stuck.reset()
+        stuck = self._find_stuck(patients, joints, goals, wanted)
         treated = self._recovery.step(patients, seated=seated and supervisor.state is State.MEND, hopeless=stuck)
         dead: frozenset[int] = frozenset()
         if treated.lost:
@@ -109,14 +103,7 @@ class Safety:
         if state in (State.FAULT, State.STOP, State.HELD):
             self._recovery.dismiss()
         self.efforts_tell = not governed.weak and state not in (State.FAULT, State.MEND)
-        news = treated.news
-        if governed.news is not None:
-            news += (("governor", governed.news),)
-        if dead:
-            limbs = " and ".join(dict.fromkeys(self._limbs[slot] for slot in sorted(self._out)))
-            news += (("legs", f"going on without {limbs}"),)
-        if late.news is not None:
-            news += (("late", late.news),)
+        news = treated.news + self._told(governed, late, dead)
         if governed.eased:
             command = self._ease(command)
         elif late.slow:
@@ -152,6 +139,30 @@ class Safety:
                 beyond.append(words)
         self._unclear.step(unknown)
         return found, "; ".join(beyond) or None
+
+    def _find_stuck(
+        self, patients: dict[int, str], joints: JointState, goals: Sequence[float], wanted: Wanted
+    ) -> tuple[int, ...]:
+        """Return the joints that do not move as they are sent, and add them to the `patients`."""
+        if self.supervisor.state is not State.WALK:
+            self._stuck.reset()
+            return ()
+        stuck = self._stuck.step(goals, wanted.torques, joints)
+        for slot in stuck:
+            patients.setdefault(slot, f"joint {self._joints[slot]} is stuck: it does not move as it is sent")
+        return stuck
+
+    def _told(self, governed: Governed, late: Late, dead: frozenset[int]) -> tuple[tuple[str, str], ...]:
+        """Return what is worth an event, of all but the joints' treatment."""
+        news: tuple[tuple[str, str], ...] = ()
+        if governed.news is not None:
+            news += (("governor", governed.news),)
+        if dead:
+            limbs = " and ".join(dict.fromkeys(self._limbs[slot] for slot in sorted(self._out)))
+            news += (("legs", f"going on without {limbs}"),)
+        if late.news is not None:
+            news += (("late", late.news),)
+        return news
 
     def _spare(self, lost: Collection[int]) -> frozenset[int]:
         """Take the legs of lost joints out, if enough are left; return all dead joints so far, or none."""
