@@ -268,9 +268,13 @@ class Controller:
 
     def _keep_upright(self, estimate: Estimate, dt: float) -> None:
         """Turn odom, and all that stands in it, upright under the body."""
-        if self._orientation is None or self._plumb is None or not self._felt:
+        if self._orientation is None or self._plumb is None:
             return
-        turn = self._plumb.step(self._pose, estimate.felt, self._footfalls.planted, estimate.imu, dt)
+        if not self._felt:
+            self._plumb.pause()
+            return
+        turn = self._plumb.step(
+            self._pose, estimate.felt, self._footfalls.planted, estimate.imu, dt, self._clock.period)
         if turn is not None:
             self._stepping.turn(turn)
             self._orientation.turn(turn)

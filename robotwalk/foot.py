@@ -35,8 +35,11 @@ class Foot:
         bumps: how often it was struck on its way in it.
         overdue: whether its swing takes longer than its sector.
         touched_for: for how long it has felt something while it searches, s.
+        felt_at: how high it was when it was last felt to be struck in a swing, m.
         found: whether it stands where it found ground, not where it was sent.
         recalled: whether it is to step back to rest, wherever it was told to stand.
+        landing_for: for how long it may still be on its last way down after its swing, as it lags behind, s.
+        fell: whether nothing stopped it there.
         hindering: whether waiting for its turn would over-stretch it, and so holds the body back.
         borne_for: for how long it has been felt to stand since it was set down, s.
         lost_for: for how long it has stood without the load that it should bear, s.
@@ -58,8 +61,9 @@ class Foot:
         self.struck_for = 0.0
         self.bumps = 0
         self.overdue = False
-        self.lost_for = self.touched_for = self.borne_for = 0.0
-        self.found = self.hindering = self.recalled = False
+        self.lost_for = self.touched_for = self.borne_for = self.landing_for = 0.0
+        self.felt_at = 0.0
+        self.found = self.hindering = self.recalled = self.fell = False
         self.off = _NOT_OFF
 
     def plant(self, place: Vec3) -> None:
@@ -78,8 +82,8 @@ class Foot:
         self.swing = self.sector = self.search = None
         self.recalled = False
         self.bumps = 0
-        self.overdue = False
-        self.lost_for = self.touched_for = self.borne_for = 0.0
+        self.overdue = self.fell = False
+        self.lost_for = self.touched_for = self.borne_for = self.landing_for = 0.0
 
     def turn(self, turn: Turn) -> None:
         """Stay where it is below the body while odom is turned; at rest, it may then be beside its rest position."""

@@ -2,7 +2,8 @@
 
 Loads that balance the robot's weight differ from those due only by loads that balance each other. What is left of the
 differences less their plane goes into the feet's heights, so the body neither rises nor tilts; three feet have
-nothing to share. A foot lifts off once all others bear: else the body would tip over to the one that does not.
+nothing to share; nor have feet whose loads differ no more than they do on flat ground, for friction hides a part of
+them, and the body sways. A foot lifts off once all others bear: else the body would tip over to the one that does not.
 """
 
 from collections.abc import Sequence
@@ -12,11 +13,12 @@ from robotwalk.foot import Foot
 from robotwalk.senses import Sense
 from robotwalk.types import Vec3
 
-_GIVE = 2.5e-3  # m/s per N that a foot bears too little or too much
+_USUAL = 0.07  # of the weight, that a foot bears too little or too much on flat ground
+_GIVE = 2.5e-3  # m/s per N beyond that
 _FASTEST = 0.04  # m/s
 _SMOOTHING = 0.1  # s; a jerk of the foot is itself felt as a load
 _FEWEST = 4  # feet, of which one may hang
-_LITTLE = 0.12  # of the weight; a foot that should bear less need not be felt
+_LITTLE = 0.18  # of the weight; a foot that should bear less need not be felt
 _PATIENCE = 0.5  # s that a lift-off waits for the others in all
 
 
@@ -25,7 +27,8 @@ class LoadSharing:
 
     def __init__(self, weight: float, feet: int) -> None:
         """Share a weight, N, among so many feet."""
-        self._rates = [0.0] * feet  # m/s downwards
+        self._lacks = [0.0] * feet  # N that each bears too little, averaged
+        self._usual = _USUAL * weight
         self._little = _LITTLE * weight
         self.waiting = False  # a lift-off did, in this tick
         self._waited_for = 0.0  # s
@@ -40,14 +43,19 @@ class LoadSharing:
                 standing.append(index)
                 lacking.append(Vec3(foot.place.x, foot.place.y, load - sense.push.z))
             else:
-                self._rates[index] = 0.0
+                self._lacks[index] = 0.0
         if len(standing) < _FEWEST:
-            lacking = [lack._replace(z=0.0) for lack in lacking]
+            # At once: three of the ways that left the body level would tilt it.
+            self._lacks = [0.0] * len(feet)
+            return
         plane = plane_of(lacking)
         for index, lack in zip(standing, lacking, strict=True):
-            rate = min(max(_GIVE * (lack.z - plane.at(lack)), -_FASTEST), _FASTEST)
-            self._rates[index] += (rate - self._rates[index]) * min(dt / _SMOOTHING, 1.0)
-            feet[index].press(self._rates[index] * dt)
+            self._lacks[index] += (lack.z - plane.at(lack) - self._lacks[index]) * min(dt / _SMOOTHING, 1.0)
+        worst = max(map(abs, self._lacks))
+        if worst > self._usual:
+            give = min(_GIVE * (worst - self._usual), _FASTEST) / worst
+            for index in standing:
+                feet[index].press(give * self._lacks[index] * dt)
 
     def lets_go(
         self, foot: Foot, feet: Sequence[Foot], senses: Sequence[Sense | None], loads: Sequence[float], dt: float

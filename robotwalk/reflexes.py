@@ -24,6 +24,9 @@ _BUMP = 0.1  # of the weight, that pushes a foot back on its way: it is struck
 _STEEP = 0.7  # of a load; pushed back by more than this, a foot would slip off what it struck
 _FIRM = 0.2  # of the weight; a leg that comes down in the air may feign half as much
 _FIRM_FOR = 0.015  # s
+_FALLING = 0.08  # m/s downwards, at which a foot stands on nothing, whatever a leg that speeds up may feign
+_THROUGH = 1.9e-3  # m below its goal that a foot swings if nothing stops it; as it swings back, it feigns a load
+_FOLLOWS = 0.05  # s in which a foot comes to where it was told to be, and is felt to stand there
 _BEARS = 0.07  # of the weight, on the average: it stands
 _LOST = 0.12  # of the weight, that a foot should bear of which nothing is felt: it has lost its ground
 _LOST_FOR = 0.12  # s of that; loads pass from foot to foot in less
@@ -54,12 +57,15 @@ class Reflexes:
         """React to what a swinging foot feels."""
         contact = self._contact
         if swing.progress >= 1.0:
-            if sense.touching or contact.reach_down == 0.0:
+            if contact.reach_down == 0.0 or self._stands(foot, sense):
                 foot.anchor(foot.target)
                 self.caution *= _CALMING
             else:
-                foot.overdue = True
                 self._search(foot, foot.place)
+                if contact.sure_after > 0.0:
+                    foot.landing_for = _FOLLOWS
+                else:
+                    foot.overdue = True
             return
         if not foot.free:  # from what it stood on, or from what it was struck by: it lags behind as it draws back
             drawn_back = foot.bumps == 0 or swing.progress >= _DRAWN_BACK or not self._struck(foot, sense)
@@ -91,6 +97,9 @@ class Reflexes:
     def go_on_searching(self, foot: Foot, search: Search, dt: float) -> None:
         """Search on, until the foot feels ground or is back where it stood."""
         sense = foot.sense
+        if foot.landing_for > 0.0 and sense is not None:
+            self._land(foot, search, sense, dt)
+            return
         touching = sense is not None and search.feels and sense.sure
         foot.touched_for = foot.touched_for + dt if touching else 0.0
         lasting = foot.touched_for >= search.sure_after
@@ -132,12 +141,36 @@ class Reflexes:
         x, y, z = sense.place
         foot.rise(Vec3(x - back * dx, y - back * dy, z), foot.leg.lift + foot.bumps * _HIGHER)
 
+    def _stands(self, foot: Foot, sense: Sense) -> bool:
+        """Tell whether a foot at the end of its swing has met the ground that was expected there."""
+        if self._contact.sure_after == 0.0:
+            return sense.touching
+        foot.fell = foot.fell or sense.place.z - foot.place.z < -_THROUGH
+        # What it meets may throw it off again, or a body that leans away: then one measurement has told of it.
+        met = sense.touching or (foot.landing_for > 0.0 and sense.push.z > _FIRM * self._weight)
+        return met and _above(foot, sense) <= _AS_FELT and not foot.fell
+
+    def _land(self, foot: Foot, search: Search, sense: Sense, dt: float) -> None:
+        """Have a foot that lags behind its goals come down; it looks for ground only if that takes too long."""
+        if self._stands(foot, sense):
+            foot.anchor(foot.target)
+            self.caution *= _CALMING
+            return
+        foot.landing_for -= dt
+        foot.overdue = foot.landing_for <= 0.0
+        foot.move(search.step(dt), dt)
+
     def _lands(self, foot: Foot, sense: Sense, dt: float) -> bool:
         """Tell whether a foot on its way down is struck by ground; one that has to be sure, by a load that lasts."""
         sure_after = self._contact.sure_after
         if sure_after == 0.0:
             return sense.sure
-        foot.touched_for = foot.touched_for + dt if sense.sure else 0.0
+        if not sense.sure:
+            foot.touched_for = 0.0
+            return False
+        z = sense.place.z
+        fell, foot.felt_at = foot.felt_at - z, z
+        foot.touched_for = foot.touched_for + dt if fell < _FALLING * dt or foot.touched_for == 0.0 else dt
         if foot.touched_for <= _FIRM_FOR:
             return False
         return foot.touched_for >= sure_after or sense.push.z > _FIRM * self._weight

@@ -15,7 +15,7 @@ from robotwalk.swing_paths import SwingPath
 from robotwalk.types import Vec3
 
 _FASTEST = 0.10  # m/s downwards; how deep a foot presses into what it finds in the time that it takes to notice
-_CAREFUL = 0.04  # m/s downwards, of a foot that has to be sure
+_CAREFUL = 0.06  # m/s downwards, of a foot that has to be sure
 _GENTLE = 1.5  # m/s^2
 _JOLT = 0.08  # s
 _CIRCLES = (0.015, 0.030)  # m

@@ -7,6 +7,8 @@ from robotwalk.body import Attitude, seen_from
 from robotwalk.contact import Felt, Plane, plane_of
 from robotwalk.types import Pose, Vec3
 
+_PLANE = 3  # feet that make one
+
 
 class BodyInOdom:
     """The body at one moment, as it is told to be: by it, what its joints and feet tell is placed in odom."""
@@ -47,10 +49,13 @@ class BodyInOdom:
 
     def _sag(self) -> Plane:
         """Return how the body hangs lower than told on the feet that stand, as legs give, m."""
-        standing = [
-            (place, got) for place, stands, got, felt in zip(
+        planted = [
+            (place, got, felt.touching) for place, stands, got, felt in zip(
                 self._stood, self._planted, self._feet, self._felt, strict=True)
-            if stands and felt is not None and felt.touching and got is not None]
+            if stands and felt is not None and got is not None]
+        bearing = sum(touching for _, _, touching in planted)
+        # Two feet make no plane; then one that bears next to nothing tells more than none.
+        standing = [(place, got) for place, got, touching in planted if touching or bearing < _PLANE]
         told = seen_from(self._told, [place for place, _ in standing])
         return plane_of([Vec3(got.x, got.y, got.z - want.z) for want, (_, got) in zip(told, standing, strict=True)])
 

@@ -26,7 +26,7 @@ from robotwalk.types import STILL, UP, Pose, Twist, Vec3
 
 _LATEST_RETARGET = 0.5  # of a swing
 _NEARLY_OVER = 0.97  # of a sector, at which the needle waits for a swing that goes on
-_PRESS = 2e-3  # m below it that a foot is sent, to feel it
+_PRESS = 2e-3  # m below it that a foot is sent, to feel it; one that goes by a load's average feels it without
 _PROVEN = 0.1  # s that a foot must have been felt to stand; others lift off before only as long as it does
 
 
@@ -70,6 +70,7 @@ class Stepping:
         self._reflexes = Reflexes(contact, weight) if contact is not None else None
         shares = contact is not None and contact.share_load
         self._waits_for_footing = contact is not None and contact.wait_for_footing
+        self._careful = contact is not None and contact.sure_after > 0.0
         self._out_of_turn = contact is not None and contact.out_of_turn
         self._sharing = LoadSharing(weight, len(model.legs)) if shares else None
         self._feet = [Foot(leg) for leg in model.legs]
@@ -189,11 +190,11 @@ class Stepping:
     def footfalls(self) -> Footfalls:
         """Return the feet as they are."""
         feet = self._feet
-        searching = [foot for foot in feet if foot.search is not None]
+        searching = [foot for foot in feet if foot.search is not None and foot.landing_for <= 0.0]
         overdue = [foot for foot in feet if foot.overdue]
         return Footfalls(
             tuple([foot.place for foot in feet]),
-            tuple([foot.sector is None for foot in feet]),
+            tuple([foot.sector is None or foot.landing_for > 0.0 for foot in feet]),
             tuple([foot.target[:2] for foot in feet]),
             tuple([foot.stood for foot in feet]),
             bool(searching) or any(map(self._outlasts, overdue)) or (
@@ -225,7 +226,7 @@ class Stepping:
             else:
                 x, y = footprint(foot.leg, course, twist, remaining + 0.5 * sector.stance * clock.period)
             foot.target = Vec3(x, y, self._ground + plane.at(course, x, y))
-            swing.retarget(Vec3(x, y, foot.target.z - _PRESS) if feels else foot.target)
+            swing.retarget(Vec3(x, y, foot.target.z - _PRESS) if feels and not self._careful else foot.target)
         foot.move(swing.step(dt, seconds, up), dt)
         if foot.sense is not None and self._reflexes is not None:
             self._reflexes.feel(foot, swing, sector, foot.sense, dt)

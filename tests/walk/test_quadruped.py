@@ -63,6 +63,18 @@ def test_so_it_does_with_other_servos_than_its_files_say(seed: int) -> None:
     assert turned["heading_change_deg"] == pytest.approx(120.0, rel=0.15)
 
 
+@pytest.mark.parametrize(("degrees", "servos_off_by"), [(180, 0.15), (135, 0.0)])
+def test_on_flat_ground_it_crawls_no_worse_for_feeling_it(degrees: float, servos_off_by: float) -> None:
+    robot = rig.varied("quadruped", 1, servos_off_by)
+    blind = robot.blind
+    vars(blind)["drives"] = robot.drives  # what its files say, not what its servos are
+    plan: dict[str, Any] = {"speed": 0.04, "gait": "crawl", "direction": math.radians(degrees)}
+    feels, trusts = walk(robot, **plan), walk(blind, **plan)
+    assert feels["max_tilt_deg"] < trusts["max_tilt_deg"] + 0.3
+    assert feels["distance_m"] > trusts["distance_m"] - 0.02 * 0.4
+    assert abs(feels["heading_change_deg"]) < abs(trusts["heading_change_deg"]) + 1.0
+
+
 @pytest.mark.parametrize(("gait", "speed"), [("trot", 0.10), ("crawl", 0.03)])
 @pytest.mark.parametrize("degrees", [180, 90, -90])
 def test_backwards_and_sideways_it_stays_up_and_roughly_on_course(gait: str, speed: float, degrees: float) -> None:
