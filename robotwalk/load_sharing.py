@@ -13,12 +13,12 @@ from robotwalk.foot import Foot
 from robotwalk.senses import Sense
 from robotwalk.types import Vec3
 
-_USUAL = 0.07  # of the weight, that a foot bears too little or too much on flat ground
-_GIVE = 2.5e-3  # m/s per N beyond that
+_USUAL = 0.05  # of the weight, that a foot bears too little or too much on flat ground
+_GIVE = 3e-3  # m/s per N beyond that
 _FASTEST = 0.04  # m/s
 _SMOOTHING = 0.1  # s; a jerk of the foot is itself felt as a load
 _FEWEST = 4  # feet, of which one may hang
-_LITTLE = 0.18  # of the weight; a foot that should bear less need not be felt
+_LITTLE = 0.15  # of the weight; a foot that should bear less need not be felt
 _PATIENCE = 0.5  # s that a lift-off waits for the others in all
 
 
