@@ -11,6 +11,8 @@ from robotwalk.types import STILL, Pose, Twist
 
 _SAME_PLACE = 0.15  # m; a hole may swallow one foot, an edge another one right after it
 _SAME_WAY = math.radians(80.0)  # a way along the barrier is none into it
+_BACK = 0.12  # m; far enough that feet at rest stand where the ground was sure
+_SLOW = 0.06  # m/s
 _MOST = 8  # that are remembered at once
 
 Kind = Literal["edge", "obstacle"]
@@ -41,14 +43,18 @@ class Barriers:
 
     Attributes:
         near: where the body is now.
+        wary: the way, rad in odom, in which a foot found no ground about here, if one did.
         unsettled: whether a foot gave up on its way to rest since the robot was asked to stand.
     """
 
     def __init__(self) -> None:
         self.near: tuple[Barrier, ...] = ()
+        self.wary: float | None = None
         self.unsettled = False
         self._giving_up = False  # some foot, in the last tick
         self._gave_up_at: Pose | None = None
+        self._last: Barrier | None = None  # where a foot found no ground
+        self._brink: Barrier | None = None  # from which the body has yet to draw back
 
     def step(self, course: Pose, twist: Twist, giving_up: GivingUp | None) -> Barrier | None:
         """Look at one tick; return what bars the way that is asked for.
@@ -64,14 +70,36 @@ class Barriers:
                 if math.hypot(barrier.x - course.x, barrier.y - course.y) < _SAME_PLACE)
         begins, self._giving_up = giving_up is not None and not self._giving_up, giving_up is not None
         self.unsettled = twist == STILL and (self.unsettled or begins)
+        if begins and giving_up is not None:
+            void = Barrier(giving_up.kind, course.x, course.y, giving_up.way) if giving_up.kind == "edge" else None
+            self._last = self._brink = void
         if begins and giving_up is not None and not self._known(giving_up.way):
             before, self._gave_up_at = self._gave_up_at, course
             if before is not None and math.hypot(course.x - before.x, course.y - before.y) < _SAME_PLACE:
                 self.near = (*self.near, Barrier(giving_up.kind, course.x, course.y, giving_up.way))[-_MOST:]
                 self._gave_up_at = None
+        last = self._last
+        self.wary = (
+            last.way if last is not None and math.hypot(course.x - last.x, course.y - last.y) < _SAME_PLACE else None)
         if twist.vx == twist.vy == 0.0:
             return None
         return self._known(course.yaw + math.atan2(twist.vy, twist.vx))
+
+    def draw_back(self, course: Pose, twist: Twist) -> Twist | None:
+        """Return the twist that takes the body back from where a foot found no ground; None where it need not go.
+
+        It need not once the twist that is asked for, in the base frame, leads elsewhere.
+        """
+        brink = self._brink
+        if brink is None:
+            return None
+        speed = math.hypot(twist.vx, twist.vy)
+        back = (brink.x - course.x) * math.cos(brink.way) + (brink.y - course.y) * math.sin(brink.way)
+        if speed == 0.0 or back >= _BACK or not brink.bars(course.yaw + math.atan2(twist.vy, twist.vx)):
+            self._brink = None
+            return None
+        speed, way = min(speed, _SLOW), brink.way - course.yaw
+        return Twist(-speed * math.cos(way), -speed * math.sin(way), 0.0)
 
     def _known(self, way: float) -> Barrier | None:
         return next((barrier for barrier in self.near if barrier.bars(way)), None)

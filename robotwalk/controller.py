@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from robotwalk.barriers import Barrier, Barriers
 from robotwalk.body import Body, placed, seen_from, up_axis
+from robotwalk.brace import braced, leaning_back
 from robotwalk.carriage import MOST_ROOM, Bearable, Carriage
 from robotwalk.estimator import Estimate, tilted
 from robotwalk.gait import Gait, GaitClock
@@ -117,7 +118,7 @@ class Controller:
                 angles=angles, planted=self._stepping.footfalls().planted, torques=self._no_torques)
         gait = self._keep_stance(state, command, estimate, self._gaits[command.gait or self._default_gait], dt)
         carriage = self._carriage(state, command, gait)
-        height, posture = carriage.height, carriage.posture
+        height, posture = carriage.height, leaning_back(carriage.posture, self._barriers.wary, self._body.course.yaw)
         shaped, bearable = self._shape(state, command, estimate, gait, carriage, dt)
         # While a body shifts, its joints give to changing loads, and odometry sees turns that are none.
         held = (
@@ -177,7 +178,8 @@ class Controller:
         part = carriage.part
         asked = command.twist if state is State.WALK else STILL
         self._barred = self._barriers.step(self._body.course, asked, self._footfalls.giving_up)
-        twist = asked if self._barred is None else STILL
+        back = self._barriers.draw_back(self._body.course, asked)
+        twist = back or (asked if self._barred is None else STILL)
         if state is State.WALK and command.heading is not None:
             turn = _HEADING_GAIN * (command.heading - estimate.pose.yaw)
             limit = self._model.motion.turn
@@ -191,8 +193,13 @@ class Controller:
         if ready < 1.0 and aim != STILL:  # slow down until it is
             share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
         brake = bool(self._cramped) and self._stance.fall_behind(self._cramped, course, now)
-        if self._footfalls.searching or brake:
+        if brake:
             share = 0.0
+        elif self._footfalls.searching:
+            brake, share = True, 1.0
+            twist = braced(self._footfalls, self._loads, self._pose) if asked != STILL else STILL
+        elif self._footfalls.deep:
+            brake, share = True, 0.0
         pushes = self._propulsion.step(self._clock, self._footfalls.planted, self._idle)
         sideways = self._clock.gait.sideways_acceleration
         shaped = self._shaper.step(twist, gait, dt, share, pushes=pushes, part=part, brake=brake, sideways=sideways)
@@ -289,7 +296,8 @@ class Controller:
             plane = self._orientation.plane.seen_at(self._body.course, self._foot_course.x, self._foot_course.y)
         hold = self._waiting or self._change.landing
         return self._stepping.step(
-            self._clock, self._foot_course, twist, dt, hold=hold, up=up, senses=senses, plane=plane, loads=self._loads)
+            self._clock, self._foot_course, twist, dt, hold=hold, up=up, senses=senses, plane=plane, loads=self._loads,
+            wary=self._barriers.wary)
 
     def _senses(self, estimate: Estimate) -> list[Sense | None] | None:
         """Return what the feet feel in odom, by where the body is told to be."""

@@ -66,6 +66,11 @@ class Leg:
         """Where its joints lie in the robot's joint order."""
         return slice(self.first, self.first + len(self.joints))
 
+    def leads(self, way: float) -> bool:
+        """Tell whether the foot rests within 60 degrees of a way, rad in the base frame: it comes there first."""
+        x, y, _ = self.rest_foot
+        return x * math.cos(way) + y * math.sin(way) > 0.5 * math.hypot(x, y)
+
 
 @dataclass(frozen=True)
 class RobotModel:

@@ -28,6 +28,9 @@ _FALLING = 0.08  # m/s downwards, at which a foot stands on nothing, whatever a 
 _THROUGH = 1.9e-3  # m below its goal that a foot swings if nothing stops it; as it swings back, it feigns a load
 _FOLLOWS = 0.05  # s in which a foot comes to where it was told to be, and is felt to stand there
 _BEARS = 0.07  # of the weight, on the average: it stands
+_PROOF = 0.2  # of the weight, that a foot has to bear before it stands where ground may end: off a corner it slips
+_STOPPED = 16e-3  # m above where it is sent: whatever it bears, it goes no deeper
+_ASIDE = 3e-3  # m that it may be beside where it is sent, while nothing is below it
 _LOST = 0.12  # of the weight, that a foot should bear of which nothing is felt: it has lost its ground
 _LOST_FOR = 0.12  # s of that; loads pass from foot to foot in less
 _STRUCK_FOR = 0.025  # s; gears with backlash jolt, too, but not for long
@@ -105,10 +108,15 @@ class Reflexes:
         lasting = foot.touched_for >= search.sure_after
         if sense is not None and search.averages:
             touching = search.average(sense.push.z, dt) > _BEARS * self._weight or (touching and lasting)
+        elif foot.doubted and foot.swing is not None and sense is not None:
+            proven = search.average(sense.push.z, dt) > _PROOF * self._weight or (
+                sense.place.z - foot.place.z > _STOPPED)
+            touching = proven and search.feels and sense.touching and _held_from_below(foot, sense)
         elif touching and not lasting:
             return  # keep still: ground stays, a jolt does not
         if sense is not None and touching:
             self._be_surprised(abs(foot.target.z - sense.place.z) - _AS_FELT)
+            foot.across = search.across
             # A foot that feels straight down is where it is told to be; one that swings lags behind.
             if foot.swing is None:  # it stood, and stands again a little lower
                 foot.anchor(search.place)
@@ -198,6 +206,12 @@ class Reflexes:
 def _above(foot: Foot, sense: Sense) -> float:
     """Return how far above its target a foot is, m, as its joints tell."""
     return sense.place.z - foot.target.z
+
+
+def _held_from_below(foot: Foot, sense: Sense) -> bool:
+    """Tell whether what keeps a foot from where it is sent is below it: else its shin leans on an edge."""
+    x, y, z = sense.place
+    return z - foot.place.z + _ASIDE > math.hypot(x - foot.place.x, y - foot.place.y)
 
 
 def giving_up(foot: Foot) -> GivingUp | None:

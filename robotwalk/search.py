@@ -1,7 +1,8 @@
 """What a foot does that found no ground where it was to touch down (ARTH sections 5.4 and 6.2).
 
-It feels downwards; then around, by seeded probes in circles that grow (Duerr 2001: stereotypic searching movements);
-then nearer to where it stood, downwards again; at last it goes back there, where there was ground.
+It feels downwards; then one longer step ahead, across a ditch; then around, by seeded probes in circles that grow
+(Duerr 2001: stereotypic searching movements); then nearer to where it stood; at last it goes back there, where there
+was ground.
 """
 
 import math
@@ -18,11 +19,17 @@ _FASTEST = 0.10  # m/s downwards; how deep a foot presses into what it finds in 
 _CAREFUL = 0.06  # m/s downwards, of a foot that has to be sure
 _GENTLE = 1.5  # m/s^2
 _JOLT = 0.08  # s
+_ACROSS = 0.05  # m, the first probe: ahead, for what it looks into may be a ditch
+_ASTRAY = math.radians(10.0)  # of it, at most
 _CIRCLES = (0.015, 0.030)  # m
-_PROBES = 3  # in each circle
+_PROBES = 2  # in each circle
+_AROUND = [(radius, math.pi) for radius in _CIRCLES for _ in range(_PROBES)]
 _PROBING_LIFT = 0.015  # m
+_PROBING_DEPTH = 0.012  # m below where ground was expected: a shin deep down would lean on the edge that it came over
+_DEEP = 0.5  # of its reach, deeper than which the foot goes down no small step
 _PROBING = 0.3  # s for a probe
 _SURE_AFTER = 0.15  # s
+_STEADY = 0.04  # s over which a load is averaged at least: gears jolt
 _STEPPING = 0.4  # s for a step nearer, or home
 _NEARER = 0.5  # of the step
 
@@ -58,7 +65,7 @@ class Search:
         self._speed = 0.0
         self._expected = target  # the place above the ground from where it feels down
         self._swing: Swing | None = None
-        self._probes: list[float] = []  # radii still to come
+        self._probes: list[tuple[float, float]] = []  # still to come: m, and off the way, at most, rad
         self._steady_for = _JOLT  # s since it last set off anew
         self._load = 0.0  # N, averaged
 
@@ -79,8 +86,25 @@ class Search:
 
     def average(self, load: float, dt: float) -> float:
         """Take in what is felt, N; return its average over the time that a foot has to be sure."""
-        self._load += (load - self._load) * min(dt / self._settings.sure_after, 1.0)
+        self._load += (load - self._load) * min(dt / max(self._settings.sure_after, _STEADY), 1.0)
         return self._load
+
+    @property
+    def deep(self) -> bool:
+        """Whether there is no ground where it was expected, nor a small step below it; a slow foot does not tell."""
+        if self.averages:
+            return False
+        return self.phase is not Phase.DOWN or self._expected.z - self.place.z > _DEEP * self._settings.reach_down
+
+    @property
+    def across(self) -> bool:
+        """Whether it probes one longer step ahead."""
+        return self.phase is Phase.AROUND and len(self._probes) == len(_AROUND)
+
+    @property
+    def _depth(self) -> float:
+        reach = self._settings.reach_down
+        return reach if self.phase is Phase.DOWN else min(reach, _PROBING_DEPTH)
 
     @property
     def gave_up(self) -> bool:
@@ -98,23 +122,18 @@ class Search:
         """Go on by `dt` s and return where the foot is; it ends when the foot feels ground, or is `done`."""
         self._steady_for += dt
         if self._swing is None:
-            left = max(self._settings.reach_down - (self._expected.z - self.place.z), 0.0)
+            left = max(self._depth - (self._expected.z - self.place.z), 0.0)
             fastest = _CAREFUL if self.averages else _FASTEST
             self._speed = min(self._speed + _GENTLE * dt, fastest, math.sqrt(2.0 * _GENTLE * left) + _GENTLE * dt)
             self.place = self.place._replace(z=self.place.z - self._speed * dt)
-            if self._expected.z - self.place.z >= self._settings.reach_down:
+            if self._expected.z - self.place.z >= self._depth:
                 self._give_up_below()
             return self.place
         self.place = self._swing.step(dt, _PROBING if self.phase is Phase.AROUND else _STEPPING)
         if self._swing.progress >= 1.0:
             self._swing = None
-            self._steady_for = 0.0
-            if self.phase is Phase.AROUND:
-                self._next_probe()
-            elif self.phase is Phase.NEARER:
-                self._speed = 0.0
-            else:
-                self.done = True
+            self._steady_for = self._speed = self._load = 0.0
+            self.done = self.phase is Phase.HOME
         return self.place
 
     def _give_up_below(self) -> None:
@@ -122,7 +141,9 @@ class Search:
         self._steady_for = 0.0
         if self.phase is Phase.DOWN and self._settings.search:
             self.phase = Phase.AROUND
-            self._probes = [radius for radius in _CIRCLES for _ in range(_PROBES)]
+            self._probes = [(_ACROSS, _ASTRAY), *_AROUND]
+            self._next_probe()
+        elif self.phase is Phase.AROUND:
             self._next_probe()
         elif self.phase is Phase.NEARER:
             self.phase = Phase.HOME
@@ -134,10 +155,11 @@ class Search:
         if not self._probes:
             self._step_nearer()
             return
-        radius, angle = self._probes.pop(0), self._random.uniform(-math.pi, math.pi)
-        x, y, _ = self._expected
-        self._swing = Swing(self._path, _PROBING_LIFT, self.place)
-        self._swing.retarget(Vec3(x + radius * math.cos(angle), y + radius * math.sin(angle), self.place.z))
+        (ax, ay, _), (x, y, z) = self._stood, self._expected
+        radius, off = self._probes.pop(0)
+        angle = math.atan2(y - ay, x - ax) + self._random.uniform(-off, off)
+        self._swing = Swing(self._path, _PROBING_LIFT + z - self.place.z, self.place)
+        self._swing.retarget(Vec3(x + radius * math.cos(angle), y + radius * math.sin(angle), z))
 
     def _step_nearer(self) -> None:
         self.phase = Phase.NEARER

@@ -5,6 +5,7 @@ under the body as it will be at the middle of the coming stance (PPS section 3, 
 tick until late in the swing.
 """
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -38,7 +39,8 @@ class Footfalls(NamedTuple):
     footprints: tuple[tuple[float, float], ...]  # in odom, m: where each foot stands, or will be set down
     stood: tuple[Vec3, ...]  # in odom, m: where each foot stands, or stood last
     late: bool  # some foot's swing goes on past its turn, or its lift-off waits: the needle has to wait, too
-    searching: bool  # a foot found none below it, and looks around or goes back
+    deep: bool  # a foot found none where it was expected, and looks far below: the body waits
+    searching: bool  # nor there, and looks around or goes back: the body draws back
     giving_up: GivingUp | None  # a foot that found no ground at all, or is held back
 
 
@@ -54,6 +56,7 @@ class _Moment(NamedTuple):
     dt: float
     up: Vec3
     plane: GroundPlane
+    wary: float | None
 
 
 class Stepping:
@@ -87,13 +90,15 @@ class Stepping:
     def step(
         self, clock: GaitClock, course: Pose, twist: Twist, dt: float, *, hold: bool = False, up: Vec3 = UP,
         senses: Sequence[Sense | None] | None = None, plane: GroundPlane = FLAT, loads: Sequence[float] = (),
+        wary: float | None = None,
     ) -> Footfalls:
         """Advance all feet by `dt` s, the body being at `course` and moving with `twist`; on `hold` none lifts off.
 
         Swings are in the plane of their direction and `up`, the body's up axis in odom. They end on the `plane`, or
-        where `senses` tell of ground. A standing foot should bear its part of `loads`, N.
+        where `senses` tell of ground. A standing foot should bear its part of `loads`, N. A foot found none in
+        the `wary` way, rad in odom.
         """
-        now = _Moment(clock, course, twist, dt, up, plane)
+        now = _Moment(clock, course, twist, dt, up, plane, wary)
         self._phase = clock.phase
         if senses is None:
             senses = (None,) * len(self._feet)
@@ -199,6 +204,7 @@ class Stepping:
             tuple([foot.stood for foot in feet]),
             bool(searching) or any(map(self._outlasts, overdue)) or (
                 self._sharing is not None and self._sharing.waiting),
+            any(foot.search is not None and foot.search.deep for foot in searching),
             any(foot.search is not None and foot.search.phase is not Phase.DOWN for foot in searching),
             next(filter(None, map(giving_up, searching)), None),
         )
@@ -209,7 +215,7 @@ class Stepping:
 
     def _move(self, index: int, foot: Foot, sector: Sector, now: _Moment) -> None:
         """Carry a foot on by a tick."""
-        clock, course, twist, dt, up, plane = now
+        clock, course, twist, dt, up, plane, wary = now
         if foot.search is not None and self._reflexes is not None:
             self._reflexes.go_on_searching(foot, foot.search, dt)
             return
@@ -225,13 +231,24 @@ class Stepping:
                 x, y = clock.gait.free.footprint(index, foot.leg, course, twist, remaining)
             else:
                 x, y = footprint(foot.leg, course, twist, remaining + 0.5 * sector.stance * clock.period)
+            if foot.across:
+                way, (ax, ay, _) = course.yaw + math.atan2(twist.vy, twist.vx), foot.stood
+                foot.across = (x - ax) * math.cos(way) + (y - ay) * math.sin(way) < 0.0
+                x, y = (ax, ay) if foot.across else (x, y)
             foot.target = Vec3(x, y, self._ground + plane.at(course, x, y))
             swing.retarget(Vec3(x, y, foot.target.z - _PRESS) if feels and not self._careful else foot.target)
+            foot.doubted = feels and (self._leads(foot) or (wary is not None and foot.leg.leads(wary - course.yaw)))
         foot.move(swing.step(dt, seconds, up), dt)
         if foot.sense is not None and self._reflexes is not None:
             self._reflexes.feel(foot, swing, sector, foot.sense, dt)
         elif swing.progress >= 1.0:
             foot.plant(foot.target)
+
+    def _leads(self, foot: Foot) -> bool:
+        """Tell whether a foot is carried farther than all others stand, or are being carried: to new ground."""
+        dx, dy = foot.target.x - foot.stood.x, foot.target.y - foot.stood.y
+        along = foot.target.x * dx + foot.target.y * dy
+        return all(other.target.x * dx + other.target.y * dy < along for other in self._feet if other is not foot)
 
 
 def footprint(leg: Leg, course: Pose, twist: Twist, seconds: float) -> tuple[float, float]:

@@ -37,17 +37,23 @@ def test_it_climbs_stairs_that_a_blind_tripod_does_not() -> None:
     assert abs(report["heading_change_deg"]) < 15.0
 
 
-def test_it_stops_at_a_precipice_and_stands() -> None:
-    simulation = assembly.simulate("hexapod", terrain="cliff")
+@pytest.mark.parametrize("lead_mm", [162, 192])  # a foot comes down beyond the corner, or on it
+def test_it_stops_at_a_precipice_and_stands(lead_mm: int, tmp_path: Path) -> None:
+    edge = (lead_mm + 120) * 1e-3  # the body's front is 0.12 m ahead of its middle
+    path = tmp_path / "edge.yaml"
+    path.write_text(
+        f"schema: 1\nname: edge\ndescription: 0.5 m\nlead_mm: {lead_mm}\ncourse:\n"
+        "  - {element: drop, depth_mm: 500}\n  - {element: level, length_mm: 1000}\n")
+    simulation = assembly.simulate("hexapod", terrain=str(path))
     with simulation.robot as robot:
         robot.stand()
-        robot.walk(vx=0.06, seconds=12.0)
+        robot.walk(vx=0.06, seconds=19.0)
         assert [event.kind for event in robot.events].count("edge") == 1
         truth = simulation.world.truth()
-        assert abs(truth.base.pitch) < 0.06
-        assert truth.base.x < 0.42  # the edge
+        assert max(abs(truth.base.roll), abs(truth.base.pitch)) < 0.06
+        assert truth.base.x < edge - 0.1
         assert truth.base.z > 0.09
-        robot.walk(vx=-0.06, seconds=4.0)  # there is ground that way
+        robot.walk(vx=-0.06, seconds=2.0)  # there is ground that way
         assert simulation.world.truth().base.x < truth.base.x - 0.05
 
 
