@@ -118,7 +118,9 @@ class Controller:
                 angles=angles, planted=self._stepping.footfalls().planted, torques=self._no_torques)
         gait = self._keep_stance(state, command, estimate, self._gaits[command.gait or self._default_gait], dt)
         carriage = self._carriage(state, command, gait)
-        height, posture = carriage.height, leaning_back(carriage.posture, self._barriers.wary, self._body.course.yaw)
+        height, posture = carriage.height, carriage.posture
+        if gait.balance is None:  # else the body is where its feet need it
+            posture = leaning_back(posture, self._barriers.wary, self._body.course.yaw)
         shaped, bearable = self._shape(state, command, estimate, gait, carriage, dt)
         # While a body shifts, its joints give to changing loads, and odometry sees turns that are none.
         held = (
@@ -178,7 +180,7 @@ class Controller:
         part = carriage.part
         asked = command.twist if state is State.WALK else STILL
         self._barred = self._barriers.step(self._body.course, asked, self._footfalls.giving_up)
-        back = self._barriers.draw_back(self._body.course, asked)
+        back = self._barriers.draw_back(self._body.course, asked) if gait.balance is None else None
         twist = back or (asked if self._barred is None else STILL)
         if state is State.WALK and command.heading is not None:
             turn = _HEADING_GAIN * (command.heading - estimate.pose.yaw)
