@@ -53,7 +53,7 @@ class Barriers:
         self.unsettled = False
         self._giving_up = False  # some foot, in the last tick
         self._gave_up_at: Pose | None = None
-        self._last: Barrier | None = None  # where a foot found no ground
+        self._void: Barrier | None = None  # where a foot found no ground
         self._brink: Barrier | None = None  # from which the body has yet to draw back
 
     def step(self, course: Pose, twist: Twist, giving_up: GivingUp | None) -> Barrier | None:
@@ -65,22 +65,18 @@ class Barriers:
             giving_up: a foot, just now.
         """
         if self.near:
-            self.near = tuple(
-                barrier for barrier in self.near
-                if math.hypot(barrier.x - course.x, barrier.y - course.y) < _SAME_PLACE)
+            self.near = tuple([barrier for barrier in self.near if _about(barrier, course)])
         begins, self._giving_up = giving_up is not None and not self._giving_up, giving_up is not None
         self.unsettled = twist == STILL and (self.unsettled or begins)
         if begins and giving_up is not None:
-            void = Barrier(giving_up.kind, course.x, course.y, giving_up.way) if giving_up.kind == "edge" else None
-            self._last = self._brink = void
-        if begins and giving_up is not None and not self._known(giving_up.way):
-            before, self._gave_up_at = self._gave_up_at, course
-            if before is not None and math.hypot(course.x - before.x, course.y - before.y) < _SAME_PLACE:
-                self.near = (*self.near, Barrier(giving_up.kind, course.x, course.y, giving_up.way))[-_MOST:]
-                self._gave_up_at = None
-        last = self._last
-        self.wary = (
-            last.way if last is not None and math.hypot(course.x - last.x, course.y - last.y) < _SAME_PLACE else None)
+            found = Barrier(giving_up.kind, course.x, course.y, giving_up.way)
+            self._void = self._brink = found if found.kind == "edge" else None
+            if not self._known(found.way):
+                before, self._gave_up_at = self._gave_up_at, course
+                if before is not None and _about(before, course):
+                    self.near = (*self.near, found)[-_MOST:]
+                    self._gave_up_at = None
+        self.wary = self._void.way if self._void is not None and _about(self._void, course) else None
         if twist.vx == twist.vy == 0.0:
             return None
         return self._known(course.yaw + math.atan2(twist.vy, twist.vx))
@@ -103,3 +99,8 @@ class Barriers:
 
     def _known(self, way: float) -> Barrier | None:
         return next((barrier for barrier in self.near if barrier.bars(way)), None)
+
+
+def _about(place: Barrier | Pose, course: Pose) -> bool:
+    """Tell whether a place of odom is about where the body is."""
+    return math.hypot(place.x - course.x, place.y - course.y) < _SAME_PLACE

@@ -1,8 +1,5 @@
 """How torque goes off on a bus of Dynamixel fakes, and what is said where that cannot be confirmed."""
 
-
-
-
 from .bus_rig import COUNT, armed
 
 
@@ -30,6 +27,6 @@ def test_disarming_reaches_everyone_and_never_raises() -> None:
     def broken(data: bytes) -> None:
         raise OSError("the cable is out")
 
-    built.line.port.write = broken  # type: ignore[method-assign]
+    built.line.port.write = broken  # type: ignore[method-assign]  # as a cable would, which no fault script pulls here
     assert built.bus.disarm() == ["j0", "j1", "j2", "j3", "j4"]
     built.bus.close()
