@@ -4,18 +4,16 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from robotwalk.alignment import Alignment
 from robotwalk.barriers import Barrier, Barriers
-from robotwalk.body import Body, placed, seen_from, up_axis
+from robotwalk.body import Body, seen_from, up_axis
 from robotwalk.brace import braced, leaning_back
 from robotwalk.carriage import MOST_ROOM, Bearable, Carriage
 from robotwalk.estimator import Estimate, tilted
 from robotwalk.gait import Gait, GaitClock
 from robotwalk.gait_change import GaitChange
 from robotwalk.kinematics import solver_for
-from robotwalk.levelling import Levelling
 from robotwalk.model import RobotModel
-from robotwalk.orientation import Orientation
-from robotwalk.plumb import Plumb
 from robotwalk.reach import Ranges
 from robotwalk.reaction import Reaction
 from robotwalk.rocking import Rocking
@@ -23,10 +21,10 @@ from robotwalk.senses import BodyInOdom, Sense
 from robotwalk.stance_reflex import StanceReflex
 from robotwalk.statics import Bearing, LegStatics
 from robotwalk.steering import Steering
-from robotwalk.stepping import FLAT, Footfalls, Stepping
+from robotwalk.stepping import Footfalls, Stepping
 from robotwalk.supervisor import State
 from robotwalk.sway import Sway
-from robotwalk.types import LEVEL, STILL, Command, Pose, Twist, Vec3
+from robotwalk.types import LEVEL, STILL, Command, Pose, Twist
 from robotwalk.unfold import Unfold
 from robotwalk.velocity import Propulsion, Shaped, VelocityShaper
 
@@ -85,16 +83,13 @@ class Controller:
         self._ranges = tuple(Ranges([(joint.lower, joint.upper) for joint in leg.joints]) for leg in model.legs)
         self._bearable = Bearable(model)
         self._bearing = Bearing(model)
-        upright = model.orientation is not None and model.orientation.plumb
-        self._plumb = Plumb(model.mass) if upright else None
-        self._foot_course = self._body.course  # the body's, brought down its own axis to the ground
-        self._stepping = Stepping(model, self._foot_course)
+        self._alignment = Alignment(model, self._body.course)
+        self._stepping = Stepping(model, self._body.course)
         self._stance = self._stepping.stance
         self._reflex = StanceReflex(model, self._gaits.values()) if model.stance_reflex else None
         self._standing = False  # at rest
         self._recalled: str | None = None
         self._change = GaitChange(self._clock, self._body, self._stance)
-        self._orientation = Orientation(model, model.orientation) if model.orientation is not None else None
         self._footfalls = self._stepping.footfalls()
         self._loads: Sequence[float] = ()
         self._felt = False  # the feet feel the ground
@@ -104,7 +99,6 @@ class Controller:
         self._sway = Sway(model)
         self._rocking = Rocking(model)
         self._reaction = Reaction(model)
-        self._levelling = Levelling(model.levelling) if model.levelling is not None else None
         self._steering = Steering()
         self._pose = self._body.pose
 
@@ -128,9 +122,11 @@ class Controller:
         twist = self._steering.step(shaped.twist, estimate.pose.yaw, dt, held=held)
         self._keep_upright(estimate, dt)
         still = state is State.WALK and not self._idle and (
-            bool(self._cramped) or not self._stance.within(carriage.room, self._foot_course))
-        over_ground = self._over_ground(self._body.step(twist, height, posture, dt, still=still), dt)
-        pose = self._level(over_ground, state, estimate, dt)
+            bool(self._cramped) or not self._stance.within(carriage.room, self._alignment.foot_course))
+        pose = self._body.step(twist, height, posture, dt, still=still)
+        pose = self._alignment.over_feet(pose, self._body.course, self._footfalls, dt)
+        pose = self._alignment.levelled(
+            pose, self._pose, estimate.tilt if state in (State.STAND, State.WALK) else None, dt)
         self._turn_needle(twist, bearable, command.period, carriage.part, dt)
         self._waiting = self._balance(pose, twist) or self._change.waits(posture)
         swayed = self._sway.step(pose, dt)
@@ -145,7 +141,7 @@ class Controller:
         at_rest = self._idle and self._sway.at_rest and self._rocking.at_rest and self._reaction.at_rest
         settled = at_rest and self._body.settled(height, posture)
         self._standing = settled and state in (State.STAND, State.WALK)
-        lowered = height == self._model.heights.sit and (self._levelling is None or self._levelling.at_rest)
+        lowered = height == self._model.heights.sit and self._alignment.at_rest
         return Wanted(
             angles, twist, shaped.scale, footfalls.planted, statics.torques, statics.legs, self._pose, reach_error,
             standing=self._standing, seated=settled and lowered, barriers=self._barriers.near, barred=self._barred,
@@ -164,7 +160,7 @@ class Controller:
         else:
             recall = reflex.step(
                 estimate.feet, estimate.felt if self._felt else (), self._footfalls.centres, self._pose,
-                self._foot_course, gait, dt)
+                self._alignment.foot_course, gait, dt)
             if recall is not None:
                 stepping.recall(recall.leg)
                 self._recalled = f"{self._model.legs[recall.leg].name} steps back to rest: {recall.why}"
@@ -186,7 +182,7 @@ class Controller:
             turn = _HEADING_GAIN * (command.heading - estimate.pose.yaw)
             limit = self._model.motion.turn
             twist = twist._replace(wz=min(max(turn, -limit), limit))
-        now, course = self._shaper.twist, self._foot_course
+        now, course = self._shaper.twist, self._alignment.foot_course
         aim = self._shaper.feasible(twist, gait, part)
         self._fastest_foot = max(gait.foot_speeds(aim))
         share = bearable = self._stance.bearable(self._clock, course, aim)
@@ -225,20 +221,13 @@ class Controller:
             self._stance.room = min(self._stance.room, granted.room)
         return Carriage(height=granted.height, posture=granted.posture, room=self._stance.room)
 
-    def _level(self, pose: Pose, state: State, estimate: Estimate, dt: float) -> Pose:
-        """Keep the body level while it is up; seated, it lies as the ground does."""
-        if self._levelling is None:
-            return pose
-        up = state in (State.STAND, State.WALK)
-        return self._levelling.step(pose, self._pose, estimate.tilt if up else None, dt)
-
     def _turn_needle(self, twist: Twist, bearable: float, period: float | None, part: float, dt: float) -> None:
         """Turn it by a tick, unless lift-offs have to wait; with the body still and all feet at rest, stop it."""
         was_idle = self._idle
         # What barred the way may be where feet rest.
         anywhere = bool(self._barriers.near) or self._barriers.unsettled
         still = twist == STILL and self._fastest_foot == 0.0
-        self._idle = still and self._stance.settled(self._foot_course, anywhere=anywhere)
+        self._idle = still and self._stance.settled(self._alignment.foot_course, anywhere=anywhere)
         if was_idle and not self._idle:
             self._clock.rewind(self._stepping.recalled)
             self._change.set_off()
@@ -255,51 +244,23 @@ class Controller:
         if not balanced:
             return self._sway.release(until_lift_off)
         over_feet = pose._replace(z=self._body.carried)
-        return self._sway.plan(clock, self._footfalls, self._foot_course, over_feet, twist, until_lift_off)
-
-    def _over_ground(self, pose: Pose, dt: float) -> Pose:
-        """Lay the body over its feet."""
-        if self._orientation is None:
-            self._foot_course = self._body.course
-            return pose
-        model = self._model
-        feet = self._footfalls.stood
-        if model.orientation is not None and model.orientation.in_swing:
-            feet = self._footfalls.centres
-        course = self._body.course
-        change = self._orientation.step(feet, course, dt)
-        # Feet rest below the body along its own axis (ARTH section 5.3): legs fit it however far odom's tilt is off.
-        height = model.heights.stand
-        ahead, left = -height * math.sin(change.pitch), height * math.sin(change.roll)
-        x, y = placed(course, Vec3(ahead, left, 0.0))
-        self._foot_course = Pose(x, y, course.z, course.roll, course.pitch, course.yaw)
-        return Pose(pose.x, pose.y, pose.z + change.z, pose.roll + change.roll, pose.pitch + change.pitch, pose.yaw)
+        return self._sway.plan(clock, self._footfalls, self._alignment.foot_course, over_feet, twist, until_lift_off)
 
     def _keep_upright(self, estimate: Estimate, dt: float) -> None:
         """Turn odom, and all that stands in it, upright under the body."""
-        if self._orientation is None or self._plumb is None:
-            return
-        if not self._felt:
-            self._plumb.pause()
-            return
-        turn = self._plumb.step(
-            self._pose, estimate.felt, self._footfalls.planted, estimate.imu, dt, self._clock.period)
+        turn = self._alignment.plumb(self._pose, estimate, self._footfalls, dt, self._clock.period, felt=self._felt)
         if turn is not None:
             self._stepping.turn(turn)
-            self._orientation.turn(turn)
             self._footfalls = self._stepping.footfalls()
 
     def _step_feet(self, twist: Twist, estimate: Estimate, dt: float) -> Footfalls:
         senses = self._senses(estimate)
         if self._idle:
             return self._stepping.footfalls()
-        up, plane = up_axis(self._pose), FLAT
-        if self._orientation is not None:
-            plane = self._orientation.plane.seen_at(self._body.course, self._foot_course.x, self._foot_course.y)
         hold = self._waiting or self._change.landing
         return self._stepping.step(
-            self._clock, self._foot_course, twist, dt, hold=hold, up=up, senses=senses, plane=plane, loads=self._loads,
-            wary=self._barriers.wary)
+            self._clock, self._alignment.foot_course, twist, dt, hold=hold, up=up_axis(self._pose), senses=senses,
+            plane=self._alignment.ground(self._body.course), loads=self._loads, wary=self._barriers.wary)
 
     def _senses(self, estimate: Estimate) -> list[Sense | None] | None:
         """Return what the feet feel in odom, by where the body is told to be."""
