@@ -82,14 +82,14 @@ class Gait:
         shortest_swing = min(sector.length for sectors in self.feet for sector in sectors)
         self.fastest_period = max(_SLACK * model.motion.min_swing / shortest_swing, config.fastest_period_s or 0.0)
         self.slowest_period = max(config.slowest_period_s, self.fastest_period)
-        self._together = [
-            {foot for foot in range(len(legs)) if self.sector_at(foot, start) is not None} for start in self.starts]
         self.balance = None if config.balance is None else Balance(
             config.balance.margin_mm * 1e-3, config.balance.acceleration_mps2)
         self.rocking = config.rocking
         # None: the legs' own
         self.swing_path = None if config.bias is None else SwingPath(partial(skewed, bias=config.bias))
         self.supports = self._supports()
+        self._together = [
+            {foot for foot, stands in enumerate(support.standing) if not stands} for support in self.supports]
         # In between, fewer than three feet stand: the body tips, the longer the farther.
         self.tips = min(sum(support.standing) for support in self.supports) < 3
         self.dynamic = self.tips or self.rocking > 0.0  # balanced only by its motion

@@ -46,6 +46,7 @@ class Sway:
         self._left = 0.0  # s until the aim shall be reached
         self._situation: object = None  # for which the aim was chosen
         self._waiting = False
+        self._serves = True  # the aim serves the next lift-off, whatever is in the air now
 
     @property
     def at_rest(self) -> bool:
@@ -76,15 +77,18 @@ class Sway:
         assert balance is not None
         posture = (pose.x - course.x, pose.y - course.y, pose.yaw - course.yaw)
         # In steady motion a plan holds; while the needle waits, the body moves on.
-        situation = (clock.gait, clock.gait.support_at(clock.phase), footfalls.planted, twist, posture)
+        planted, support = footfalls.planted, clock.gait.support_at(clock.phase)
+        situation = (clock.gait, support, planted, twist, posture)
         if self._waiting or situation != self._situation:
             self._situation = situation
             level = pose._replace(roll=0.0, pitch=0.0)
             stands = coming_stands(self._legs, clock, footfalls, course, twist)
-            aim = self._best_aim(stands, level, twist, balance.margin)
+            aim, served = self._best_aim(stands, level, twist, balance.margin)
+            self._serves = served > 1 or all(planted) or planted == clock.gait.supports[support].standing
             self._head_for(aim, until_lift_off)
             self._take_time(min(balance.acceleration, self._firmest(footfalls, advanced(level, twist, until_lift_off))))
-        self._waiting = self._left > until_lift_off + _ROUNDING
+        # After a change of gait a foot may be due on the other side before the one in the air has landed.
+        self._waiting = self._left > until_lift_off + _ROUNDING or (until_lift_off == 0.0 and not self._serves)
         return self._waiting
 
     def step(self, pose: Pose, dt: float) -> Pose:
@@ -113,19 +117,25 @@ class Sway:
             whole = math.sqrt(_LEAST_JERK_PEAK * math.dist(self._aim, self._begun_at) / acceleration)
             self._left = max(self._left, whole - self._elapsed)
 
-    def _best_aim(self, stands: Iterable[Stand], level: Pose, twist: Twist, margin: float) -> tuple[float, float]:
-        """Return the shift nearest to the present aim that serves as many of the stands, in order, as one shift can."""
+    def _best_aim(
+        self, stands: Iterable[Stand], level: Pose, twist: Twist, margin: float
+    ) -> tuple[tuple[float, float], int]:
+        """Return the shift nearest to the present aim that serves as many of the stands, in order, as one shift can.
+
+        Second comes how many it serves.
+        """
         planes: list[HalfPlane] = []
         aim: tuple[float, float] | None = None
+        served = 0
         for stand in stands:
             allowed = self._allowed(stand, level, twist, margin)
             planes += allowed
             nearest = nearest_inside(*self._aim, planes) if allowed else None
             if nearest is None:
                 # Where the first stand allows nothing, its feet are in a line or too near each other.
-                return aim or self._middle(stand, level, twist)
-            aim = nearest
-        return aim or self._aim
+                return aim or self._middle(stand, level, twist), served
+            aim, served = nearest, served + 1
+        return aim or self._aim, served
 
     def _allowed(self, stand: Stand, level: Pose, twist: Twist, margin: float) -> list[HalfPlane]:
         """Return where the shift must lie, so that a stand bears the body from its begin to its end."""

@@ -1,6 +1,7 @@
 """When feet swing, and how the period follows the speed."""
 
 import math
+from itertools import combinations
 
 import pytest
 from hypothesis import assume, given
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 from robotwalk.config.gait_schema import GaitConfig
 from robotwalk.errors import UsageError
 from robotwalk.gait import Gait, GaitClock
+from robotwalk.gait_rules import wave
 from robotwalk.model import RobotModel
 from robotwalk.types import STILL, Twist
 
@@ -64,6 +66,13 @@ def test_which_feet_may_be_in_the_air_together(hexapod: RobotModel, gaits: dict[
     assert not together("ripple", "lr", "rf", "lm")
     assert together("wave", "rm")
     assert not together("wave", "rm", "lf")
+
+
+@given(st.floats(0.0, 0.3))
+def test_a_foot_whose_swing_begins_as_anothers_ends_waits_for_it(hexapod: RobotModel, pause: float) -> None:
+    in_turn = gait(hexapod, **{leg: [list(span) for span in spans] for leg, spans in wave(hexapod.legs, pause).items()})
+    assert all(in_turn.lifts_together({foot}) for foot in range(6))
+    assert not any(map(in_turn.lifts_together, map(set, combinations(range(6), 2))))
 
 
 def test_a_foot_may_swing_twice_a_turn(hexapod: RobotModel) -> None:

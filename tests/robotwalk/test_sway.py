@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from random import Random
 from typing import NamedTuple
 
 import pytest
@@ -104,6 +105,17 @@ def test_so_it_does_while_turning_and_with_a_lean_and_a_displaced_body(quadruped
         Command(Twist(0.0, 0.0, 0.3)), Command(Twist(0.03, 0.0, -0.1)), AHEAD._replace(posture=posture)):
         frames = crawler(quadruped).walk(command, 10.0)
         assert min(frame.margin for frame in frames if not all(frame.wanted.planted)) > 0.65 * MARGIN
+
+
+def test_so_it_does_when_the_gait_and_the_way_change_while_a_foot_is_in_the_air(quadruped: RobotModel) -> None:
+    gaits = [load_gait("crawl", quadruped), load_gait("wave-few", quadruped)]
+    for seed in range(7, 17):
+        walker, rng = Walker(quadruped, *gaits), Random(seed)
+        first, second = gaits[seed % 2], gaits[1 - seed % 2]
+        walker.walk(Command(twist_of(0.2, rng.uniform(-math.pi, math.pi), 0.0), gait=first.name), rng.uniform(2.0, 4.0))
+        frames = walker.walk(
+            Command(twist_of(0.2, rng.uniform(-math.pi, math.pi), rng.uniform(-0.6, 0.6)), gait=second.name), 1.5)
+        assert min(frame.margin for frame in frames) > 0.65 * MARGIN  # -30 mm, or two feet in the air
 
 
 def test_without_the_shift_it_would_fall(quadruped: RobotModel) -> None:

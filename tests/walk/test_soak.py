@@ -7,7 +7,7 @@ from .soak.verdict import BOUNDS, slip, violations
 
 _SEEDS = {
     "hexapod": (10, 11, 12, 218, 243),  # in the last two stretched legs gave beyond their limits under the body
-    "quadruped": range(10, 15),
+    "quadruped": (10, 11, 12, 348, 520),  # in the last two a change of gait lifted a foot off before another had landed
 }
 
 
