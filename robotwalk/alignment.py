@@ -13,7 +13,7 @@ from robotwalk.model import RobotModel
 from robotwalk.orientation import GroundPlane, Orientation
 from robotwalk.plumb import Plumb, Turn
 from robotwalk.stepping import FLAT, Footfalls
-from robotwalk.types import Pose, Tilt, Vec3
+from robotwalk.types import Pose, Tilt
 
 
 class Alignment:
@@ -69,7 +69,7 @@ class Alignment:
         change = self._orientation.step(footfalls.centres if self._in_swing else footfalls.stood, course, dt)
         # Feet rest below the body along its own axis.
         height = self._height
-        x, y = placed(course, Vec3(-height * math.sin(change.pitch), height * math.sin(change.roll), 0.0))
+        x, y = placed(course, (-height * math.sin(change.pitch), height * math.sin(change.roll), 0.0))
         self.foot_course = Pose(x, y, course.z, course.roll, course.pitch, course.yaw)
         return Pose(pose.x, pose.y, pose.z + change.z, pose.roll + change.roll, pose.pitch + change.pitch, pose.yaw)
 

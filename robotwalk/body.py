@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 
-from robotwalk.types import LEVEL, UP, Pose, Twist, Vec3
+from robotwalk.types import LEVEL, UP, Pose, Triple, Twist, Vec3
 
 
 def advanced(pose: Pose, twist: Twist, seconds: float) -> Pose:
@@ -16,35 +16,38 @@ def advanced(pose: Pose, twist: Twist, seconds: float) -> Pose:
         # By the half angle: 1 - cos(turn) would lose all its digits at a small turn.
         along, across = math.sin(turn) / wz, 2.0 * math.sin(0.5 * turn) ** 2 / wz
     dx, dy = vx * along - vy * across, vx * across + vy * along
-    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    return Pose(pose.x + c * dx - s * dy, pose.y + s * dx + c * dy, pose.z, pose.roll, pose.pitch, pose.yaw + turn)
+    x, y, z, roll, pitch, yaw = pose
+    c, s = math.cos(yaw), math.sin(yaw)
+    return Pose(x + c * dx - s * dy, y + s * dx + c * dy, z, roll, pitch, yaw + turn)
 
 
-def placed(pose: Pose, point: Vec3) -> tuple[float, float]:
+def placed(pose: Pose, point: Triple) -> tuple[float, float]:
     """Return where a point of the base frame lies on the ground, if the body were level at this pose."""
-    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    return pose.x + c * point.x - s * point.y, pose.y + s * point.x + c * point.y
+    (x, y, _), yaw = point, pose.yaw
+    c, s = math.cos(yaw), math.sin(yaw)
+    return pose.x + c * x - s * y, pose.y + s * x + c * y
 
 
 def composed(course: Pose, posture: Pose) -> Pose:
     """Return the body's pose for a course, nearly level, and a displacement from it, given in the base frame."""
-    x, y = placed(course, Vec3(posture.x, posture.y, posture.z))
+    x, y = placed(course, (posture.x, posture.y, posture.z))
     return Pose(
         x, y, course.z + posture.z, course.roll + posture.roll, course.pitch + posture.pitch, course.yaw + posture.yaw)
 
 
 def seen_from(pose: Pose, points: Iterable[Vec3]) -> list[Vec3]:
     """Return points of odom in the base frame of a body at `pose`."""
-    cr, sr = math.cos(pose.roll), math.sin(pose.roll)
-    cp, sp = math.cos(pose.pitch), math.sin(pose.pitch)
-    cy, sy = math.cos(pose.yaw), math.sin(pose.yaw)
+    px, py, pz, roll, pitch, yaw = pose
+    cr, sr = math.cos(roll), math.sin(roll)
+    cp, sp = math.cos(pitch), math.sin(pitch)
+    cy, sy = math.cos(yaw), math.sin(yaw)
     # Columns of Rz(yaw) Ry(pitch) Rx(roll): the base's axes in odom.
     xx, xy, xz = cy * cp, sy * cp, -sp
     yx, yy, yz = cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr
     zx, zy, zz = cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr
     seen = []
-    for point in points:
-        dx, dy, dz = point.x - pose.x, point.y - pose.y, point.z - pose.z
+    for x, y, z in points:
+        dx, dy, dz = x - px, y - py, z - pz
         seen.append(Vec3(
             xx * dx + xy * dy + xz * dz,
             yx * dx + yy * dy + yz * dz,
@@ -63,7 +66,7 @@ class Attitude:
         self._pitch = math.cos(pose.pitch), math.sin(pose.pitch)
         self._yaw = math.cos(pose.yaw), math.sin(pose.yaw)
 
-    def in_odom(self, vector: Vec3) -> Vec3:
+    def in_odom(self, vector: Triple) -> Vec3:
         """Return a vector of the base frame along odom's axes; a point needs the body's place added."""
         (cr, sr), (cp, sp), (cy, sy) = self._roll, self._pitch, self._yaw
         x, y, z = vector

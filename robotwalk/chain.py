@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from robotwalk.model import Axis, Leg
 from robotwalk.types import Vec3
 
+_PITCH, _YAW = Axis.PITCH, Axis.YAW
+
 
 def foot_position(leg: Leg, angles: Sequence[float]) -> Vec3:
     """Return the foot's centre in the base frame, m, for joint angles in rad."""
@@ -15,32 +17,28 @@ def foot_position(leg: Leg, angles: Sequence[float]) -> Vec3:
 def chain_points(leg: Leg, angles: Sequence[float]) -> list[Vec3]:
     """Return each joint's origin and at last the foot's centre, in the base frame, m."""
     points = [leg.mount]
-    # Columns of the rotation from the current link to the base.
-    c, s = math.cos(leg.yaw), math.sin(leg.yaw)
+    # The axes of the current link's frame in the base frame.
     x, y, z = leg.mount
-    ax, ay, az = (c, s, 0.0), (-s, c, 0.0), (0.0, 0.0, 1.0)
+    xx, xy, xz = math.cos(leg.yaw), math.sin(leg.yaw), 0.0
+    yx, yy, yz = -xy, xx, 0.0
+    zx, zy, zz = 0.0, 0.0, 1.0
     for joint, angle in zip(leg.joints, angles, strict=True):
         c, s = math.cos(angle), math.sin(angle)
-        if joint.axis is Axis.YAW:
-            ax, ay = _turn(ax, ay, c, s)
-        elif joint.axis is Axis.PITCH:
-            az, ax = _turn(az, ax, c, s)
+        if joint.axis is _YAW:
+            xx, yx = c * xx + s * yx, c * yx - s * xx
+            xy, yy = c * xy + s * yy, c * yy - s * xy
+            xz, yz = c * xz + s * yz, c * yz - s * xz
+        elif joint.axis is _PITCH:
+            zx, xx = c * zx + s * xx, c * xx - s * zx
+            zy, xy = c * zy + s * xy, c * xy - s * zy
+            zz, xz = c * zz + s * xz, c * xz - s * zz
         else:
-            ay, az = _turn(ay, az, c, s)
+            yx, zx = c * yx + s * zx, c * zx - s * yx
+            yy, zy = c * yy + s * zy, c * zy - s * yy
+            yz, zz = c * yz + s * zz, c * zz - s * yz
         lx, ly, lz = joint.link
-        x += ax[0] * lx + ay[0] * ly + az[0] * lz
-        y += ax[1] * lx + ay[1] * ly + az[1] * lz
-        z += ax[2] * lx + ay[2] * ly + az[2] * lz
+        x += xx * lx + yx * ly + zx * lz
+        y += xy * lx + yy * ly + zy * lz
+        z += xz * lx + yz * ly + zz * lz
         points.append(Vec3(x, y, z))
     return points
-
-
-_Column = tuple[float, float, float]
-
-
-def _turn(first: _Column, second: _Column, c: float, s: float) -> tuple[_Column, _Column]:
-    """Rotate two axes by an angle from the first towards the second."""
-    return (
-        (c * first[0] + s * second[0], c * first[1] + s * second[1], c * first[2] + s * second[2]),
-        (c * second[0] - s * first[0], c * second[1] - s * first[1], c * second[2] - s * first[2]),
-    )

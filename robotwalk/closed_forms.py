@@ -36,7 +36,7 @@ class CoxaFemurTibia:
 
     def __init__(self, leg: Leg) -> None:
         coxa, femur, tibia = (joint.link.x for joint in leg.joints)
-        self._mount = leg.mount
+        self._mount = (*leg.mount,)
         self._cos, self._sin = math.cos(leg.yaw), math.sin(leg.yaw)
         self._coxa, self._femur, self._tibia = coxa, femur, tibia
         self._triangle = _Triangle(femur, tibia)
@@ -54,16 +54,14 @@ class CoxaFemurTibia:
         shin = femur + tibia
         reach = self._coxa + self._femur * math.cos(femur) + self._tibia * math.cos(shin)
         out, side = reach * math.cos(coxa), reach * math.sin(coxa)
-        mount, c, s = self._mount, self._cos, self._sin
+        (x, y, z), c, s = self._mount, self._cos, self._sin
         drop = self._femur * math.sin(femur) + self._tibia * math.sin(shin)
-        return Vec3(mount.x + c * out - s * side, mount.y + s * out + c * side, mount.z - drop)
+        return Vec3(x + c * out - s * side, y + s * out + c * side, z - drop)
 
     def solve(self, x: float, y: float, z: float) -> Solution:
         """Return the angles for a foot centre at (x, y, z) m in the base frame."""
-        mount = self._mount
-        x -= mount.x
-        y -= mount.y
-        z -= mount.z
+        mx, my, mz = self._mount
+        x, y, z = x - mx, y - my, z - mz
         out = self._cos * x + self._sin * y
         side = self._cos * y - self._sin * x
         reach = math.sqrt(out * out + side * side) - self._coxa
@@ -80,7 +78,7 @@ class HipAbduction:
 
     def __init__(self, leg: Leg) -> None:
         hip, thigh, calf = leg.joints
-        self._mount = leg.mount
+        self._mount = (*leg.mount,)
         self._cos, self._sin = math.cos(leg.yaw), math.sin(leg.yaw)
         self._offset, self._thigh, self._calf = hip.link.y, -thigh.link.z, -calf.link.z
         self._knee_back = 1.0 if calf.rest < 0.0 else -1.0
@@ -102,17 +100,15 @@ class HipAbduction:
         ahead = -self._thigh * math.sin(thigh) - self._calf * math.sin(shin)
         drop = self._thigh * math.cos(thigh) + self._calf * math.cos(shin)
         side = self._offset * math.cos(hip) + drop * math.sin(hip)
-        mount, c, s = self._mount, self._cos, self._sin
+        (x, y, z), c, s = self._mount, self._cos, self._sin
         return Vec3(
-            mount.x + c * ahead - s * side, mount.y + s * ahead + c * side,
-            mount.z + self._offset * math.sin(hip) - drop * math.cos(hip))
+            x + c * ahead - s * side, y + s * ahead + c * side,
+            z + self._offset * math.sin(hip) - drop * math.cos(hip))
 
     def solve(self, x: float, y: float, z: float) -> Solution:
         """Return the angles for a foot centre at (x, y, z) m in the base frame."""
-        mount = self._mount
-        x -= mount.x
-        y -= mount.y
-        z -= mount.z
+        mx, my, mz = self._mount
+        x, y, z = x - mx, y - my, z - mz
         ahead = self._cos * x + self._sin * y
         side = self._cos * y - self._sin * x
         square = side * side + z * z - self._offset * self._offset

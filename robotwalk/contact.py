@@ -18,7 +18,7 @@ from typing import NamedTuple
 from robotwalk.model import RobotModel
 from robotwalk.settings import ContactSettings
 from robotwalk.statics import GRAVITY, LegStatics
-from robotwalk.types import DriveResponse, FootSwitch, JointState, Vec3
+from robotwalk.types import DriveResponse, FootSwitch, JointState, Triple, Vec3
 
 _DAMPING = 0.02  # m; a foot's force along a way that it can hardly move is not told
 
@@ -34,42 +34,42 @@ _AGREEING = 2  # measurements in a row that are believed; gears with backlash jo
 class Felt(NamedTuple):
     """What one foot feels."""
 
-    force: Vec3  # N, of the ground on it, in the base frame
+    force: Triple  # N, of the ground on it, in the base frame
     load: float  # N of it, upwards
     touching: bool  # bears a load worth a step
     sure: bool  # more of it than a fast leg's inertia may feign
 
 
-_NOTHING = Felt(Vec3(0.0, 0.0, 0.0), 0.0, touching=False, sure=False)
+_NOTHING = Felt((0.0, 0.0, 0.0), 0.0, touching=False, sure=False)
 
 
 class _Motor(NamedTuple):
-    """What a joint's effort tells; see `DriveResponse`."""
+    """What a joint's effort tells; see `DriveResponse`. Halves: each of two samples has its part in a mean."""
 
     torque: float  # N m at effort 1
-    damping: float  # N m s
-    friction: float  # N m
-    inertia: float  # kg m^2
-    stiffness: float  # N m per rad
+    damping: float  # N m s, half of it
+    friction: float  # N m, half of it
+    inertia: float  # N m s: what it takes to come to 1 rad/s in a tick
 
 
-# A joint's part in the mean torque since the sample before, and until the next one, N m; and its momentum, N m s.
+# A joint's part in the mean torque since the sample before, and until the next one; and what it would take to come to
+# its speed in a tick. N m.
 _Sample = tuple[float, float, float]
 
 
 class FootSense:
     """Feels the ground with the feet of one robot."""
 
-    def __init__(self, model: RobotModel, drives: Sequence[DriveResponse], *, by_load: bool) -> None:
-        """Feel by load and by switches, or by switches alone."""
+    def __init__(self, model: RobotModel, drives: Sequence[DriveResponse], dt: float, *, by_load: bool) -> None:
+        """Feel by load and by switches, or by switches alone, every `dt` s."""
         contact = model.contact
         assert contact is not None  # else nobody wants to feel
-        self._feet = tuple((leg.span, _Foot(drives[leg.span], model.mass * GRAVITY, contact)) for leg in model.legs)
+        self._feet = tuple(
+            (leg.span, _Foot(drives[leg.span], model.mass * GRAVITY, contact, dt)) for leg in model.legs)
         self._by_load = by_load
 
     def step(
-        self, state: JointState, statics: Sequence[LegStatics], up: Vec3, dt: float,
-        switches: Sequence[FootSwitch] = (),
+        self, state: JointState, statics: Sequence[LegStatics], up: Triple, switches: Sequence[FootSwitch] = (),
     ) -> tuple[Felt | None, ...]:
         """Return what each foot feels; None where it has no switch and a joint of its leg did not answer twice in turn.
 
@@ -77,7 +77,6 @@ class FootSense:
             state: the joints.
             statics: of the legs, about where they are now.
             up: the unit vector against gravity, in the base frame.
-            dt: s since the last measurement.
             switches: of each foot; empty: there are none.
         """
         felt: list[Felt | None] = []
@@ -86,7 +85,7 @@ class FootSense:
         for index, ((span, foot), leg) in enumerate(zip(self._feet, statics, strict=True)):
             by_load = None
             if self._by_load and (all_heard or all(valid[span])):
-                by_load = foot.step(efforts[span], speeds[span], leg, up, dt)
+                by_load = foot.step(efforts[span], speeds[span], leg, up)
             else:
                 foot.skip()
             closed = switches[index].closed if switches else None
@@ -97,12 +96,14 @@ class FootSense:
 class _Foot:
     """Feels with one foot."""
 
-    def __init__(self, drives: Sequence[DriveResponse], weight: float, contact: ContactSettings) -> None:
-        self._goals_after, self._creep = contact.goals_after, contact.creep
+    def __init__(self, drives: Sequence[DriveResponse], weight: float, contact: ContactSettings, dt: float) -> None:
+        self._early, self._creep = contact.goals_after, contact.creep
+        self._late = 1.0 - self._early
+        held = (0.5 - self._early) * dt
         self._motors = tuple(
-            _Motor(drive.effort_torque, drive.effort_damping, drive.stiffness * drive.friction,
-                   drive.stiffness * drive.inertia, drive.stiffness) for drive in drives)
-        self._frictions = tuple(motor.friction for motor in self._motors)
+            _Motor(drive.effort_torque, 0.5 * (drive.effort_damping - held * drive.stiffness),
+                   0.5 * drive.stiffness * drive.friction, drive.stiffness * drive.inertia / dt) for drive in drives)
+        self._frictions = tuple(drive.stiffness * drive.friction for drive in drives)
         self._least = _LEAST * weight
         self._unheard: tuple[_Sample, ...] = ((0.0, 0.0, 0.0),) * len(self._motors)
         self._last: Sequence[_Sample] = self._unheard
@@ -113,15 +114,14 @@ class _Foot:
         """Do without a sample, for a joint did not answer."""
         self._last = self._unheard
 
-    def step(
-        self, efforts: Sequence[float], speeds: Sequence[float], leg: LegStatics, up: Vec3, dt: float
-    ) -> Felt | None:
+    def step(self, efforts: Sequence[float], speeds: Sequence[float], leg: LegStatics, up: Triple) -> Felt | None:
         """Take a sample and return what is felt, if there was one before it, too."""
-        last, self._last = self._last, self._sample(efforts, speeds, dt)
+        last, self._last = self._last, self._sample(efforts, speeds)
         if last is self._unheard:
             return None
         force = _force(leg, last, self._last)
-        load = force.x * up.x + force.y * up.y + force.z * up.z
+        (fx, fy, fz), (ux, uy, uz) = force, up
+        load = fx * ux + fy * uy + fz * uz
         if not self._touching and load <= self._least:  # whatever friction hides
             self._doubts = 0
             return Felt(force, load, touching=False, sure=False)
@@ -134,20 +134,17 @@ class _Foot:
             hidden = hides if hides > hidden else hidden
             feigned = feigns if feigns > feigned else feigned
         touching = self._judge(load, self._least + hidden)
-        sure = touching and load > self._least + _INERTIA_UNKNOWN * feigned / dt
+        sure = touching and load > self._least + _INERTIA_UNKNOWN * feigned
         return Felt(force, load, touching, sure)
 
-    def _sample(self, efforts: Sequence[float], speeds: Sequence[float], dt: float) -> list[_Sample]:
+    def _sample(self, efforts: Sequence[float], speeds: Sequence[float]) -> list[_Sample]:
         sample: list[_Sample] = []
-        early, creep = self._goals_after, self._creep
-        late, held = 1.0 - early, (0.5 - early) * dt
-        for motor, effort, speed in zip(self._motors, efforts, speeds, strict=True):
-            torque, damping, friction, inertia, stiffness = motor
-            direction = speed / creep if -creep < speed < creep else math.copysign(1.0, speed)
-            drive, momentum = torque * effort, inertia * speed
-            resistance = 0.5 * ((damping - held * stiffness) * speed + friction * direction)
-            taken = momentum / dt
-            sample.append((late * drive - resistance - taken, early * drive - resistance + taken, momentum))
+        early, late, creep = self._early, self._late, self._creep
+        for (torque, damping, friction, inertia), effort, speed in zip(self._motors, efforts, speeds, strict=True):
+            direction = speed / creep if -creep < speed < creep else 1.0 if speed > 0.0 else -1.0
+            drive, taken = torque * effort, inertia * speed
+            resistance = damping * speed + friction * direction
+            sample.append((late * drive - resistance - taken, early * drive - resistance + taken, taken))
         return sample
 
     def _judge(self, load: float, least: float) -> bool:
@@ -160,7 +157,7 @@ class _Foot:
         return self._touching
 
 
-def _force(leg: LegStatics, last: Sequence[_Sample], now: Sequence[_Sample]) -> Vec3:
+def _force(leg: LegStatics, last: Sequence[_Sample], now: Sequence[_Sample]) -> Triple:
     """Return the force at a foot that explains best what its joints did between two samples."""
     xx = yy = zz = _DAMPING * _DAMPING
     xy = xz = yz = bx = by = bz = 0.0
@@ -172,7 +169,7 @@ def _force(leg: LegStatics, last: Sequence[_Sample], now: Sequence[_Sample]) -> 
     ax, ay, az = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
     inverse = 1.0 / (xx * ax + xy * ay + xz * az)
     gy, gz, hz = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
-    return Vec3(
+    return (
         (ax * bx + ay * by + az * bz) * inverse, (ay * bx + gy * by + gz * bz) * inverse,
         (az * bx + gz * by + hz * bz) * inverse)
 

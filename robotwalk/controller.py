@@ -154,7 +154,8 @@ class Controller:
             return gait
         if state not in (State.STAND, State.WALK) or command.twist != STILL or self._barriers.near:
             reflex.forget()
-            stepping.recall(None)
+            if self._recalled is not None:
+                stepping.recall(None)
         elif not self._standing or not estimate.feet:
             reflex.pause()
         else:
@@ -164,10 +165,9 @@ class Controller:
             if recall is not None:
                 stepping.recall(recall.leg)
                 self._recalled = f"{self._model.legs[recall.leg].name} steps back to rest: {recall.why}"
-        if stepping.recalled is None:
+        if self._recalled is not None and stepping.recalled is None:
             self._recalled = None
-            return gait
-        return reflex.gait(gait)
+        return gait if self._recalled is None else reflex.gait(gait)
 
     def _shape(
         self, state: State, command: Command, estimate: Estimate, gait: Gait, carriage: Carriage, dt: float
@@ -183,13 +183,12 @@ class Controller:
             limit = self._model.motion.turn
             twist = twist._replace(wz=min(max(turn, -limit), limit))
         now, course = self._shaper.twist, self._alignment.foot_course
-        aim = self._shaper.feasible(twist, gait, part)
-        self._fastest_foot = max(gait.foot_speeds(aim))
+        aim, _, self._fastest_foot = self._shaper.feasible(twist, gait, part)
         share = bearable = self._stance.bearable(self._clock, course, aim)
         ready = self._change.step(
             gait, now, course, carriage.posture, part, planted=self._footfalls.planted, idle=self._idle)
         if ready < 1.0 and aim != STILL:  # slow down until it is
-            share = min(share, ready * max(gait.foot_speeds(now)) / max(gait.foot_speeds(aim)))
+            share = min(share, ready * max(gait.foot_speeds(now)) / self._fastest_foot)
         brake = bool(self._cramped) and self._stance.fall_behind(self._cramped, course, now)
         if brake:
             share = 0.0
@@ -284,11 +283,11 @@ class Controller:
         feet = seen_from(self._pose, footfalls.centres)
         legs = zip(self._solvers, self._ranges, feet, footfalls.planted, strict=True)
         for leg, (solver, ranges, foot, stands) in enumerate(legs):
-            solution = solver.solve(*foot)
-            kept = ranges.keep(solution.angles, dt)
+            reached, short = solver.solve(*foot)
+            kept = ranges.keep(reached, dt)
             angles.extend(kept)
-            if kept is solution.angles:
-                miss = max(miss, solution.miss)
+            if kept is reached:
+                miss = max(miss, short)
             else:
                 miss = max(miss, math.dist(solver.foot(kept), foot))
                 if stands and ranges.at_end:

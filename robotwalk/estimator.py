@@ -38,7 +38,8 @@ class Odometry:
         self._spans = tuple(leg.span for leg in model.legs)
         self._foot_radius = model.foot_radius
         self._planted_for = [0.0] * len(model.legs)
-        self._feet: list[Vec3 | None] = [None] * len(model.legs)
+        self._none = (False,) * len(model.legs)
+        self._feet: tuple[Vec3 | None, ...] = (None,) * len(model.legs)
         self._pose = LEVEL._replace(z=model.heights.sit)
 
     def go_on(self, pose: Pose) -> None:
@@ -59,14 +60,18 @@ class Odometry:
         """
         pairs: list[tuple[Vec3, Vec3]] = []
         all_heard = all(state.valid)
-        for index, (span, now) in enumerate(zip(self._spans, feet, strict=True)):
-            self._planted_for[index] = self._planted_for[index] + dt if planted and planted[index] else 0.0
-            before = self._feet[index]
-            self._feet[index] = None
+        planted = planted or self._none
+        self._planted_for = [
+            since + dt if stands else 0.0 for since, stands in zip(self._planted_for, planted, strict=True)]
+        heard: list[Vec3 | None] = []
+        for span, now, before, since in zip(self._spans, feet, self._feet, self._planted_for, strict=True):
             if all_heard or all(state.valid[span]):
-                self._feet[index] = now
-                if before is not None and self._planted_for[index] >= _SETTLING:
+                heard.append(now)
+                if before is not None and since >= _SETTLING:
                     pairs.append((before, now))
+            else:
+                heard.append(None)
+        self._feet = tuple(heard)
         if len(pairs) >= 2:
             dx, dy, turn = _rigid_motion(pairs)
             c, s = math.cos(self._pose.yaw), math.sin(self._pose.yaw)
@@ -75,7 +80,7 @@ class Odometry:
             self._pose = Pose(x + c * dx - s * dy, y + s * dx + c * dy, height, roll, pitch, yaw + turn)
         else:
             self._pose = advanced(self._pose, commanded, dt)
-        return Estimate(self._pose, len(pairs), feet=tuple(self._feet))
+        return Estimate(self._pose, len(pairs), feet=self._feet)
 
 
 def tilted(pose: Pose, tilt: Tilt | None) -> Pose:
@@ -87,12 +92,12 @@ def _rigid_motion(pairs: Sequence[tuple[Vec3, Vec3]]) -> tuple[float, float, flo
     """Return the body's (dx, dy, turn) in its old frame that explains its feet's (before, now) best."""
     n = len(pairs)
     ax = ay = bx = by = 0.0
-    for before, now in pairs:
-        ax, ay, bx, by = ax + before.x, ay + before.y, bx + now.x, by + now.y
+    for (ux, uy, _), (vx, vy, _) in pairs:
+        ax, ay, bx, by = ax + ux, ay + uy, bx + vx, by + vy
     ax, ay, bx, by = ax / n, ay / n, bx / n, by / n
     dot = cross = 0.0
-    for before, now in pairs:
-        ux, uy, vx, vy = before.x - ax, before.y - ay, now.x - bx, now.y - by
+    for (ux, uy, _), (vx, vy, _) in pairs:
+        ux, uy, vx, vy = ux - ax, uy - ay, vx - bx, vy - by
         dot += ux * vx + uy * vy
         cross += vx * uy - vy * ux
     turn = math.atan2(cross, dot)

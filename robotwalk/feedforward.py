@@ -34,13 +34,13 @@ class Feedforward:
 
     def step(self, wanted: Sequence[float], torques: Sequence[float], dt: float) -> list[float]:
         """Return the goals for the wanted angles, `dt` s after the last ones; the joints bear `torques`, N m."""
-        goals = []
+        goals, square = [], dt * dt
         for q, q1, q2, torque, (damping, inertia, friction, stiffness) in zip(
             wanted, self._last, self._before, torques, self._responses, strict=True,
         ):
             speed = (q - q1) / dt
-            acceleration = (q - 2.0 * q1 + q2) / (dt * dt)
-            direction = speed / _CREEP if -_CREEP < speed < _CREEP else math.copysign(1.0, speed)
+            acceleration = (q - 2.0 * q1 + q2) / square
+            direction = speed / _CREEP if -_CREEP < speed < _CREEP else 1.0 if speed > 0.0 else -1.0
             goals.append(q + damping * speed + inertia * acceleration + friction * direction + torque / stiffness)
         self._before, self._last = self._last, wanted
         return goals

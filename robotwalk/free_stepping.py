@@ -190,4 +190,5 @@ class FreeStepping:
 
 def passing(leg: Leg, twist: Twist) -> tuple[float, float]:
     """Return the velocity at which the body passes over a leg's rest position, in the body's axes, m/s."""
-    return twist.vx - twist.wz * leg.rest_foot.y, twist.vy + twist.wz * leg.rest_foot.x
+    (vx, vy, wz), (x, y, _) = twist, leg.rest_foot
+    return vx - wz * y, vy + wz * x

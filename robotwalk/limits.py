@@ -47,11 +47,11 @@ class Gate:
         rows = zip(goals, self._goals, self._speeds, self._limits, strict=True)
         for index, (goal, last, speed, limit) in enumerate(rows):
             lower, upper, top_speed, acceleration = limit
-            wanted = (goal - last) / dt
+            wanted, change = (goal - last) / dt, acceleration * dt
             # One test for the usual case; it also fails for whatever is not a number.
             if not (
                 lower <= goal <= upper and -top_speed <= wanted <= top_speed
-                and -acceleration * dt <= wanted - speed <= acceleration * dt
+                and -change <= wanted - speed <= change
             ):
                 goal = self._cut(index, goal, dt)
                 wanted = (goal - last) / dt

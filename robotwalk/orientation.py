@@ -92,11 +92,11 @@ class Orientation:
             dt: s.
         """
         settings = self._settings
-        c, s = math.cos(course.yaw), math.sin(course.yaw)
+        cx, cy, c, s = course.x, course.y, math.cos(course.yaw), math.sin(course.yaw)
         seen: list[tuple[float, float, float]] = []
         mx = my = mz = 0.0
         for fx, fy, fz in feet:
-            dx, dy = fx - course.x, fy - course.y
+            dx, dy = fx - cx, fy - cy
             x, y, z = c * dx + s * dy, c * dy - s * dx, fz - self._foot_radius
             seen.append((x, y, z))
             mx, my, mz = mx + x, my + y, mz + z

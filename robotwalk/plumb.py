@@ -102,7 +102,8 @@ class Plumb:
                 if stands:
                     return False
             elif stands or foot.touching:  # what a foot is struck by, the others bear up against
-                x, y, z = x + foot.force.x, y + foot.force.y, z + foot.force.z
+                fx, fy, fz = foot.force
+                x, y, z = x + fx, y + fy, z + fz
         ahead, left = acceleration
         self._load += share * (z - self._load)
         self._roll += share * (_angle(y / self._weight - left / GRAVITY) - told.roll - self._roll)

@@ -133,7 +133,7 @@ def _mean_lift(footfalls: Footfalls, ground: float) -> float:
 
 def _seen(course: Pose, point: Vec3) -> tuple[float, float]:
     """Return where a point of odom is in the axes of a level body, m."""
-    x, y = placed(course, Vec3(0.0, 0.0, 0.0))
+    x, y = placed(course, (0.0, 0.0, 0.0))
     c, s = math.cos(course.yaw), math.sin(course.yaw)
     dx, dy = point.x - x, point.y - y
     return c * dx + s * dy, c * dy - s * dx

@@ -114,11 +114,13 @@ class Safety:
 
     def _find(self, silent: tuple[int, ...], joints: JointState) -> tuple[dict[int, str], str | None]:
         """Return whose servos may be helped, and what cannot be: why, in words."""
-        self._silent = {
-            slot: self._silent.get(slot) or f"joint {self._joints[slot]} has not answered for {joints.age[slot]:.2f} s"
-            for slot in sorted(silent, key=lambda slot: -joints.age[slot])}
+        if silent or self._silent:
+            self._silent = {
+                slot: self._silent.get(slot)
+                or f"joint {self._joints[slot]} has not answered for {joints.age[slot]:.2f} s"
+                for slot in sorted(silent, key=lambda slot: -joints.age[slot])}
         found = dict(self._silent)
-        if len({self._limbs[slot] for slot in silent}) > 1:
+        if len(silent) > 1 and len({self._limbs[slot] for slot in silent}) > 1:
             return {}, next(iter(found.values()))  # a wire is cut, or the power is off
         alerts = self._bus.alerts
         if self._out:

@@ -25,23 +25,10 @@ _CLOSING = 1e-9  # m
 _Box = tuple[Vec3, Vec3]  # its lowest and its highest corner
 
 
-class _Mover:
-    """What may meet something.
-
-    Attributes:
-        gone: the most that any of its points can have gone so far, m.
-        ahead: the most that it can have gone by when it stands, if it brakes now, m.
-    """
-
-    def __init__(self) -> None:
-        self.gone = self.ahead = 0.0
-
-
-class _Limb(_Mover):
+class _Limb:
     """A leg with what its motion can reach."""
 
     def __init__(self, leg: Leg, foot_radius: float) -> None:
-        super().__init__()
         self.leg = leg
         self.span = leg.span
         lengths = [math.hypot(*joint.link) for joint in leg.joints]
@@ -90,7 +77,6 @@ class Pair:
     def __init__(self, first: _Limb, second: _Limb | None, links: list[tuple[int, int]], half: Vec3) -> None:
         """Pair a leg with another one, or with a body of these half lengths."""
         self.first, self.second, self.links = first, second, links
-        self.other: _Mover = second or _Mover()  # the body stays where it is
         self._half = half
         self._spans = tuple(slice(min(side), max(side) + 2) for side in zip(*links, strict=True))
         # A way that parts them at rest, and how far they stick out along it.
@@ -136,6 +122,11 @@ class SelfCollision:
         self._brakes = [0.5 / acceleration for acceleration in accelerations]  # what braking takes, s^2/rad
         self._longest = max(speed * brake for speed, brake in zip(speeds, self._brakes, strict=True))  # s
         self.pairs = _pairs(self.limbs, Vec3(*(0.5 * length for length in model.body_box)))
+        # Who they are, by their places in what follows: each leg's, and last the body's, which stays where it is.
+        places = {limb: place for place, limb in enumerate((*self.limbs, None))}
+        self._who = [(places[pair.first], places[pair.second]) for pair in self.pairs]
+        self._gone = [0.0] * len(places)  # m, the most that any of its points can have gone so far
+        self._ahead = [0.0] * len(places)  # m, and by when it stands, if it brakes now
 
     def reset(self) -> None:
         """Start anew, from wherever the joints are."""
@@ -151,19 +142,19 @@ class SelfCollision:
             dt: s since the last step.
         """
         rates = [lever * abs(speed) for lever, speed in zip(self._levers, speeds, strict=True)]
-        for limb in self.limbs:
+        gone, ahead = self._gone, self._ahead
+        for place, limb in enumerate(self.limbs):
             rate = sum(rates[limb.span])
-            limb.gone += rate * dt
-            limb.ahead = limb.gone + rate * self._longest
+            gone[place] += rate * dt
+            ahead[place] = gone[place] + rate * self._longest
         braking: dict[_Limb, None] = {}
         stopped: list[float] = []  # where all joints would be
-        for pair in self.pairs:
-            ahead = pair.first.ahead + pair.other.ahead
-            if pair.until >= ahead:
+        for pair, (one, other) in zip(self.pairs, self._who, strict=True):
+            if pair.until >= ahead[one] + ahead[other]:
                 continue
-            gone = pair.first.gone + pair.other.gone
-            pair.until = gone + pair.gap(goals) - MARGIN
-            if pair.until >= ahead:
+            so_far = gone[one] + gone[other]
+            pair.until = so_far + pair.gap(goals) - MARGIN
+            if pair.until >= ahead[one] + ahead[other]:
                 continue
             stopped = stopped or [
                 goal + speed * abs(speed) * brake
@@ -171,7 +162,7 @@ class SelfCollision:
             if pair.gap(stopped) >= MARGIN:
                 continue
             now, then = pair.apart(goals), pair.apart(stopped)
-            pair.until = gone + now - MARGIN
+            pair.until = so_far + now - MARGIN
             if then < MARGIN and then < now - _CLOSING:
                 braking.update({limb: None for limb in (pair.first, pair.second) if limb is not None})
         return [limb.span for limb in braking]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from robotwalk.body import Attitude, seen_from
 from robotwalk.contact import Felt, Plane, plane_of
-from robotwalk.types import Pose, Vec3
+from robotwalk.types import Pose, Triple, Vec3
 
 _PLANE = 3  # feet that make one
 
@@ -34,7 +34,7 @@ class BodyInOdom:
         self._attitude: Attitude | None = None
         self._give: Plane | None = None
 
-    def along_odom(self, vector: Vec3) -> Vec3:
+    def along_odom(self, vector: Triple) -> Vec3:
         """Return a vector of the base frame along odom's axes."""
         if self._attitude is None:
             self._attitude = Attitude(self._told)
@@ -44,7 +44,7 @@ class BodyInOdom:
         """Return where a foot is in odom, m, that its joints tell to be at `foot` in the base frame."""
         if self._give is None:
             self._give = self._sag()
-        x, y, z = self.along_odom(Vec3(foot.x, foot.y, foot.z - self._give.at(foot)))
+        x, y, z = self.along_odom((foot.x, foot.y, foot.z - self._give.at(foot)))
         return Vec3(self._told.x + x, self._told.y + y, self._told.z + z)
 
     def _sag(self) -> Plane:
@@ -66,16 +66,19 @@ class Sense:
     Attributes:
         touching: whether it bears a load worth a step.
         sure: whether it does, however fast its leg is.
-        strength: of the push, N.
     """
 
-    __slots__ = ("_body", "_foot", "_force", "strength", "sure", "touching")
+    __slots__ = ("_body", "_foot", "_force", "sure", "touching")
 
     def __init__(self, felt: Felt, foot: Vec3, body: BodyInOdom) -> None:
         """Place what was felt by a foot that is at `foot` in the base frame, m."""
         self.touching, self.sure = felt.touching, felt.sure
-        self.strength = math.hypot(*felt.force)
         self._force, self._foot, self._body = felt.force, foot, body
+
+    @property
+    def strength(self) -> float:
+        """Of the push, N."""
+        return math.hypot(*self._force)
 
     @property
     def place(self) -> Vec3:

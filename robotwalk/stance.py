@@ -65,16 +65,15 @@ class Stance:
             return gait.free.waits(self._feet, course, twist, self.swing_time(gait, period))
         late = max([self._lateness(foot, phase, period) for foot in self._feet if foot.overdue], default=0.0)
         in_air = {index for index, foot in enumerate(self._feet) if foot.sector is not None} if late > 0.0 else set()
-
-        def wait(index: int, foot: Foot) -> float:
+        waits: list[float] = []
+        for index, foot in enumerate(self._feet):
             if foot.sector is not None:
-                return _SEARCH if foot.search is not None else 0.0
-            if due(foot, index, gait, phase) is None:
-                return gait.until_lift_off(index, phase) * period + late
-            # Its turn is no use while those are late with whom it cannot be in the air.
-            return late if late > 0.0 and not gait.lifts_together(in_air | {index}) else 0.0
-
-        return [wait(index, foot) for index, foot in enumerate(self._feet)]
+                waits.append(_SEARCH if foot.search is not None else 0.0)
+            elif due(foot, gait.sector_at(index, phase), phase) is None:
+                waits.append(gait.until_lift_off(index, phase) * period + late)
+            else:  # which is no use while those are late with whom it cannot be in the air
+                waits.append(late if late > 0.0 and not gait.lifts_together(in_air | {index}) else 0.0)
+        return waits
 
     def _lateness(self, foot: Foot, phase: float, period: float) -> float:
         """Return for how long the needle will have to wait for a foot that is overdue, s, as far as that is known."""
@@ -131,7 +130,7 @@ class Stance:
         turns = 1.0
         for index, foot in enumerate(self._feet):
             if foot.sector is None:
-                if due(foot, index, clock.gait, clock.phase) is not None:
+                if due(foot, clock.gait.sector_at(index, clock.phase), clock.phase) is not None:
                     return 0.0
                 turns = min(turns, clock.gait.until_lift_off(index, clock.phase))
         return turns * clock.period
@@ -141,9 +140,8 @@ class Stance:
         return all(foot.sector is None and (anywhere or foot.at_rest(course)) for foot in self._feet)
 
 
-def due(foot: Foot, index: int, gait: Gait, phase: float) -> Sector | None:
-    """Return the sector in which a standing foot may lift off at a phase, if it is in one not yet used."""
-    sector = gait.sector_at(index, phase)
+def due(foot: Foot, sector: Sector | None, phase: float) -> Sector | None:
+    """Return the sector in which the needle is on a standing foot's circle, if it may lift off: it was not yet used."""
     if sector is None or sector is foot.spent or sector.progress(phase) > _LATEST_LIFTOFF:
         return None
     return sector

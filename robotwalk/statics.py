@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from robotwalk.model import Axis, Leg, RobotModel
-from robotwalk.types import Pose, Vec3
+from robotwalk.types import Pose, Triple
 
 GRAVITY = 9.81  # m/s^2
 _PITCH, _YAW = Axis.PITCH, Axis.YAW
@@ -23,15 +23,11 @@ _SPREAD = 0.2  # of feet across their line, 0 in a line to 1 all around; with le
 _LEVER = 0.02  # m; feet whose spread in some direction is less than about this are in a line
 
 
-# x, y and z of what is made so often that its names would cost too much.
-_Triple = tuple[float, float, float]
-
-
 class LegStatics(NamedTuple):
     """One leg at one moment, in the base frame."""
 
-    foot: Vec3  # m
-    columns: Sequence[_Triple]  # of its Jacobian: the foot's velocity per rad/s of each joint, m
+    foot: Triple  # m
+    columns: Sequence[Triple]  # of its Jacobian: the foot's velocity per rad/s of each joint, m
     lifts: Sequence[float]  # m: each column's part along the way up
     weights: Sequence[float]  # N m: the torque of each joint that holds up the links behind it
 
@@ -64,14 +60,14 @@ class LegMasses:
             x, y, z = joint.link
             links.append((joint.axis, x, y, z, lever * x, lever * y, lever * z))
         self._links = tuple(links)  # from the foot to the body
-        self._mount, self._mass = leg.mount, mass
+        self._mount, self._mass = (*leg.mount,), mass
         self._cos, self._sin = math.cos(leg.yaw), math.sin(leg.yaw)
 
-    def foot_and_moment(self, angles: Sequence[float]) -> tuple[Vec3, _Triple]:
+    def foot_and_moment(self, angles: Sequence[float]) -> tuple[Triple, Triple]:
         """Return the foot's centre, m, and the leg's mass times the place of its centre of mass, kg m, for angles."""
         return self._in_base(self._behind(angles)[-1])
 
-    def statics(self, angles: Sequence[float], up: Vec3) -> tuple[LegStatics, _Triple]:
+    def statics(self, angles: Sequence[float], up: Triple) -> tuple[LegStatics, Triple]:
         """Return the leg's statics for joint angles (rad), and its mass times the place of its centre of mass, kg m.
 
         `up` is the unit vector against gravity, in the base frame.
@@ -84,7 +80,7 @@ class LegMasses:
         zx, zy, zz = 0.0, 0.0, 1.0
         ux, uy, uz = up
         ux, uy = xx * ux + xy * uy, xx * uy - xy * ux
-        columns: list[_Triple] = []
+        columns: list[Triple] = []
         lifts: list[float] = []
         weights: list[float] = []
         for axis, c, s, fx, fy, fz, mx, my, mz in reversed(behind):
@@ -138,17 +134,17 @@ class LegMasses:
             behind.append((axis, c, s, fx, fy, fz, mx, my, mz))
         return behind
 
-    def _in_base(self, whole: _Behind) -> tuple[Vec3, _Triple]:
+    def _in_base(self, whole: _Behind) -> tuple[Triple, Triple]:
         """Return the foot and the first moment as the base sees them."""
         _, _, _, fx, fy, fz, mx, my, mz = whole
         (x, y, z), mass, c, s = self._mount, self._mass, self._cos, self._sin
         return (
-            Vec3(x + c * fx - s * fy, y + s * fx + c * fy, z + fz),
+            (x + c * fx - s * fy, y + s * fx + c * fy, z + fz),
             (mass * x + c * mx - s * my, mass * y + s * mx + c * my, mass * z + mz))
 
 
 def shared_loads(
-    feet: Sequence[Vec3], shares: Sequence[float], centre: Vec3, weight: float, up: Vec3
+    feet: Sequence[Triple], shares: Sequence[float], centre: Triple, weight: float, up: Triple
 ) -> tuple[float, ...]:
     """Return the load of each foot, N, by the shares (0 to 1) with which they stand; none pulls.
 
@@ -156,14 +152,15 @@ def shared_loads(
     polygon, the moments are not balanced to the last.
     """
     # The feet seen from the centre of mass, in two axes across `up`.
+    cx, cy, cz = centre
     ux, uy, uz = up
     norm = math.hypot(ux, uz)
     ex, ez = uz / norm, -ux / norm  # across up, in the base's x-z plane
     gx, gy, gz = uy * ez, uz * ex - ux * ez, -uy * ex  # up x e
     sw = sa = sb = saa = sab = sbb = 0.0
     arms: list[tuple[float, float]] = []
-    for foot, share in zip(feet, shares, strict=True):
-        dx, dy, dz = foot.x - centre.x, foot.y - centre.y, foot.z - centre.z
+    for (x, y, z), share in zip(feet, shares, strict=True):
+        dx, dy, dz = x - cx, y - cy, z - cz
         a, b = dx * ex + dz * ez, dx * gx + dy * gy + dz * gz
         arms.append((a, b))
         wa, wb = share * a, share * b
@@ -186,14 +183,15 @@ def shared_loads(
     loads = [
         max(share * (even + p * (a - ma) + q * (b - mb)), 0.0) for (a, b), share in zip(arms, shares, strict=True)]
     total = sum(loads)
-    return tuple(load * weight / total for load in loads) if total > 0.0 else tuple(loads)
+    return tuple([load * weight / total for load in loads] if total > 0.0 else loads)
 
 
-def _held(mount: Vec3, leg: LegStatics, load: float) -> Sequence[float]:
+def _held(mount: Triple, leg: LegStatics, load: float) -> Sequence[float]:
     """Return the torques with which a leg bears a load, N m, leaning inwards as far as that spares its motors."""
     if load == 0.0:
         return leg.weights
-    ix, iy = mount.x - leg.foot.x, mount.y - leg.foot.y
+    (mx, my, _), (x, y, _) = mount, leg.foot
+    ix, iy = mx - x, my - y
     way = math.hypot(ix, iy) or 1.0
     push = load / way
     ix, iy = push * ix, push * iy
@@ -211,10 +209,10 @@ def _held(mount: Vec3, leg: LegStatics, load: float) -> Sequence[float]:
     return [torque - lean * by for torque, by in zip(upright, leaning, strict=True)]
 
 
-def up_in_base(roll: float, pitch: float) -> Vec3:
+def up_in_base(roll: float, pitch: float) -> Triple:
     """Return the way up in the frame of a base that rolls and pitches, rad."""
     cp = math.cos(pitch)
-    return Vec3(-math.sin(pitch), cp * math.sin(roll), cp * math.cos(roll))
+    return -math.sin(pitch), cp * math.sin(roll), cp * math.cos(roll)
 
 
 class Bearing:
@@ -223,7 +221,7 @@ class Bearing:
     def __init__(self, model: RobotModel) -> None:
         self._seat, self._weight = model.heights.sit, model.mass * GRAVITY
         self._mass = model.mass
-        self._legs = tuple((leg.span, leg.mount, LegMasses(leg, model.foot_mass)) for leg in model.legs)
+        self._legs = tuple((leg.span, (*leg.mount,), LegMasses(leg, model.foot_mass)) for leg in model.legs)
         self._shares = [0.0] * len(model.legs)
 
     def step(
@@ -252,7 +250,7 @@ class Bearing:
         mass = self._mass
         borne = min(max((height - self._seat) / _SEATING, 0.0), 1.0)
         loads = shared_loads(
-            [leg.foot for leg in legs], self._shares, Vec3(mx / mass, my / mass, mz / mass), borne * self._weight, up)
+            [leg.foot for leg in legs], self._shares, (mx / mass, my / mass, mz / mass), borne * self._weight, up)
         torques: list[float] = []
         for (_, mount, _), leg, load in zip(self._legs, legs, loads, strict=True):
             torques.extend(_held(mount, leg, load))

@@ -128,9 +128,10 @@ class Stepping:
         for index, foot in enumerate(self._feet):
             if foot.sector is not None:
                 continue
-            if foot.spent is not clock.gait.sector_at(index, clock.phase):
+            turn = clock.gait.sector_at(index, clock.phase)
+            if foot.spent is not turn:
                 foot.spent = None
-            sector = None if hold else due(foot, index, clock.gait, clock.phase)
+            sector = None if hold else due(foot, turn, clock.phase)
             if sector is None or (twist == STILL and foot.at_rest(course)):
                 continue
             if not clock.gait.lifts_together(in_air | {index}):
@@ -195,19 +196,21 @@ class Stepping:
     def footfalls(self) -> Footfalls:
         """Return the feet as they are."""
         feet = self._feet
-        searching = [foot for foot in feet if foot.search is not None and foot.landing_for <= 0.0]
-        overdue = [foot for foot in feet if foot.overdue]
+        late = self._sharing is not None and self._sharing.waiting
+        deep = searching = False
+        gives_up: GivingUp | None = None
+        for foot in feet:
+            late = late or (foot.overdue and self._outlasts(foot))
+            if foot.search is not None and foot.landing_for <= 0.0:
+                late, deep = True, deep or foot.search.deep
+                searching = searching or foot.search.phase is not Phase.DOWN
+                gives_up = gives_up or giving_up(foot)
         return Footfalls(
             tuple([foot.place for foot in feet]),
             tuple([foot.sector is None or foot.landing_for > 0.0 for foot in feet]),
             tuple([foot.target[:2] for foot in feet]),
             tuple([foot.stood for foot in feet]),
-            bool(searching) or any(map(self._outlasts, overdue)) or (
-                self._sharing is not None and self._sharing.waiting),
-            any(foot.search is not None and foot.search.deep for foot in searching),
-            any(foot.search is not None and foot.search.phase is not Phase.DOWN for foot in searching),
-            next(filter(None, map(giving_up, searching)), None),
-        )
+            late, deep, searching, gives_up)
 
     def _outlasts(self, foot: Foot) -> bool:
         """Tell whether the swing of a foot that is overdue outlasts its sector: the needle has to wait for it."""
@@ -221,9 +224,10 @@ class Stepping:
             return
         swing = foot.swing
         assert swing is not None
-        seconds = max(foot.share * clock.period, foot.slowest(self._min_swing))
+        due = foot.share * clock.period
+        seconds = max(due, foot.slowest(self._min_swing))
         feels = foot.sense is not None
-        if seconds > foot.share * clock.period:
+        if seconds > due:
             foot.overdue = True
         if swing.progress <= _LATEST_RETARGET:
             remaining = (1.0 - swing.progress) * seconds - dt
@@ -246,9 +250,14 @@ class Stepping:
 
     def _leads(self, foot: Foot) -> bool:
         """Tell whether a foot is carried farther than all others stand, or are being carried: to new ground."""
-        dx, dy = foot.target.x - foot.stood.x, foot.target.y - foot.stood.y
-        along = foot.target.x * dx + foot.target.y * dy
-        return all(other.target.x * dx + other.target.y * dy < along for other in self._feet if other is not foot)
+        (x, y, _), stood = foot.target, foot.stood
+        dx, dy = x - stood.x, y - stood.y
+        along = x * dx + y * dy
+        for other in self._feet:
+            x, y, _ = other.target
+            if x * dx + y * dy >= along and other is not foot:
+                return False
+        return True
 
 
 def footprint(leg: Leg, course: Pose, twist: Twist, seconds: float) -> tuple[float, float]:

@@ -24,9 +24,9 @@ class StuckJoints:
     def __init__(self, drives: Sequence[DriveResponse], dt: float, *, load: bool = True) -> None:
         """Look at joints that follow like these `drives`, every `dt` s; `load`: their goals lead by what they bear."""
         self._count = len(drives)
-        self._share = tuple([dt / (dt + drive.damping + math.sqrt(drive.inertia)) for drive in drives])
-        self._step = tuple([_PACE * drive.max_speed * dt for drive in drives])
-        self._stiffness = tuple([drive.stiffness if load else math.inf for drive in drives])
+        self._slowness = tuple([  # share of its way that a slow joint goes in a tick, and the most, rad; its stiffness
+            (dt / (dt + drive.damping + math.sqrt(drive.inertia)), _PACE * drive.max_speed * dt,
+             drive.stiffness if load else math.inf) for drive in drives])
         self._still = round(_STILL / dt)
         self._began = False
 
@@ -56,23 +56,23 @@ class StuckJoints:
         anchor, slow, low, high = self._anchor, self._slow, self._low, self._high
         way, trips, rested = self._way, self._trips, self._rested
         stuck: list[int] = []
-        for slot, (goal, torque, here, age, share, step, stiffness) in enumerate(zip(
-            goals, torques, joints.position, joints.age, self._share, self._step, self._stiffness, strict=True,
-        )):
-            last = slow[slot]
+        rows = zip(
+            goals, torques, joints.position, joints.age, self._slowness, anchor, slow, low, high, way, strict=True)
+        for slot, (goal, torque, here, age, slowness, there, last, lowest, highest, goes) in enumerate(rows):
+            share, most, stiffness = slowness
             ahead = share * (goal - torque / stiffness - last)
-            now = slow[slot] = last + (step if ahead > step else -step if ahead < -step else ahead)
-            if age > _UNSEEN or not -_MOVED < here - anchor[slot] < _MOVED:
+            now = slow[slot] = last + (most if ahead > most else -most if ahead < -most else ahead)
+            if age > _UNSEEN or not -_MOVED < here - there < _MOVED:
                 anchor[slot], low[slot], high[slot], way[slot], trips[slot], rested[slot] = here, now, now, 0, 0, 0
                 continue
-            if now > high[slot]:
-                high[slot] = now
-            elif now < low[slot]:
-                low[slot] = now
-            if way[slot] <= 0 and now - low[slot] > _SENT:
+            if now > highest:
+                high[slot] = highest = now
+            elif now < lowest:
+                low[slot] = lowest = now
+            if goes <= 0 and now - lowest > _SENT:
                 way[slot], high[slot] = 1, now
                 trips[slot] += 1
-            elif way[slot] >= 0 and high[slot] - now > _SENT:
+            elif goes >= 0 and highest - now > _SENT:
                 way[slot], low[slot] = -1, now
                 trips[slot] += 1
             if trips[slot] >= _TRIPS:

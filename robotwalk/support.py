@@ -38,7 +38,7 @@ class Masses:
         feet: list[Vec3] = []
         for span, leg in self._legs:
             foot, (mx, my, mz) = leg.foot_and_moment(angles[span])
-            feet.append(foot)
+            feet.append(Vec3(*foot))
             x, y, z = x + mx, y + my, z + mz
         whole = self._mass
         return Vec3(x / whole, y / whole, z / whole), feet
@@ -62,11 +62,11 @@ def support_margin(feet: Sequence[Vec3], point: Vec3) -> float:
     hull = _convex_hull([(foot.x, foot.y) for foot in feet])
     if len(hull) < 3:
         return -math.inf
-    margin = math.inf
+    margin, (x, y, _) = math.inf, point
     ax, ay = hull[-1]
     for bx, by in hull:
         dx, dy = bx - ax, by - ay
-        margin = min(margin, (dx * (point.y - ay) - dy * (point.x - ax)) / math.hypot(dx, dy))
+        margin = min(margin, (dx * (y - ay) - dy * (x - ax)) / math.hypot(dx, dy))
         ax, ay = bx, by
     return margin
 
@@ -121,15 +121,23 @@ def nearest_inside(x: float, y: float, planes: Sequence[HalfPlane]) -> tuple[flo
 def _convex_hull(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return the hull counter-clockwise (Andrew's monotone chain)."""
     ordered = sorted(set(points))
+    if len(ordered) == 3:
+        a, b, c = ordered
+        turn = _turn(a, b, c)
+        return [a, b, c] if turn > 0.0 else [a, c, b] if turn < 0.0 else [a, c]
 
     def chain(sequence: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
         hull: list[tuple[float, float]] = []
         for p in sequence:
-            while len(hull) >= 2 and (
-                (hull[-1][0] - hull[-2][0]) * (p[1] - hull[-2][1]) - (hull[-1][1] - hull[-2][1]) * (p[0] - hull[-2][0])
-            ) <= 0.0:
+            while len(hull) >= 2 and _turn(hull[-2], hull[-1], p) <= 0.0:
                 hull.pop()
             hull.append(p)
         return hull[:-1]
 
-    return chain(ordered) + chain(ordered[::-1]) if len(ordered) > 2 else list(ordered)
+    return chain(ordered) + chain(ordered[::-1]) if len(ordered) > 2 else ordered
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    """Return twice the area of a triangle, m^2; positive counter-clockwise."""
+    (ax, ay), (bx, by), (cx, cy) = a, b, c
+    return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)

@@ -100,7 +100,7 @@ class Sway:
         self._y = least_jerk(self._y, self._aim[1], remaining, dt)
         self._elapsed += dt
         self._left = max(self._left - dt, 0.0)
-        x, y = placed(pose, Vec3(self._x.position, self._y.position, 0.0))
+        x, y = placed(pose, (self._x.position, self._y.position, 0.0))
         return pose._replace(x=x, y=y)
 
     def _head_for(self, aim: tuple[float, float], seconds: float) -> None:

@@ -115,17 +115,19 @@ class Swing:
         # The end is met exactly, and a half begins no sooner than the tick after the other has ended.
         self.progress = self.progress + dt / seconds if remaining > dt else half
         if self._rest is not _NO_REST:
-            x, y, z = self._rest
+            rx, ry, rz = self._rest
             self._rest = _NO_REST if remaining <= dt else (
-                least_jerk(x, 0.0, remaining, dt), least_jerk(y, 0.0, remaining, dt), least_jerk(z, 0.0, remaining, dt))
-        x, y, z = self._rest
+                least_jerk(rx, 0.0, remaining, dt), least_jerk(ry, 0.0, remaining, dt),
+                least_jerk(rz, 0.0, remaining, dt))
         way, height = self._path.place(self.progress)
         rise = self._lift * height
         self._up = up
-        (sx, sy, sz), (tx, ty, tz) = self.start, self.target
-        self.position = Vec3(
-            sx + way * (tx - sx) + rise * up.x + x.position, sy + way * (ty - sy) + rise * up.y + y.position,
-            sz + way * (tz - sz) + rise * up.z + z.position)
+        (sx, sy, sz), (tx, ty, tz), (ux, uy, uz) = self.start, self.target, up
+        x, y, z = sx + way * (tx - sx) + rise * ux, sy + way * (ty - sy) + rise * uy, sz + way * (tz - sz) + rise * uz
+        if self._rest is not _NO_REST:
+            rx, ry, rz = self._rest
+            x, y, z = x + rx.position, y + ry.position, z + rz.position
+        self.position = Vec3(x, y, z)
         return self.position
 
     def _take(self, seconds: float) -> None:

@@ -15,6 +15,10 @@ class Vec3(NamedTuple):
     z: float
 
 
+# The same, made or taken apart so often in a tick that names would cost too much.
+Triple = tuple[float, float, float]
+
+
 class Twist(NamedTuple):
     """A planar velocity of the body, in the base frame."""
 

@@ -12,6 +12,14 @@ from robotwalk.types import STILL, Twist
 _BRAKING = 3.0  # times the acceleration, before a leg is over-stretched
 
 
+class Feasible(NamedTuple):
+    """What robot and gait can do of a wanted twist."""
+
+    twist: Twist
+    scale: float  # of the wanted one, 1 where nothing was cut
+    fastest: float  # m/s of any foot over the ground
+
+
 class Shaped(NamedTuple):
     """What becomes of a wanted twist."""
 
@@ -65,21 +73,22 @@ class VelocityShaper:
         self._limits = limits
         self._twist = STILL
         self._asked: tuple[Twist, Gait, float] | None = None
-        self._feasible = (STILL, 1.0)
+        self._feasible = Feasible(STILL, 1.0, 0.0)
 
     @property
     def twist(self) -> Twist:
         """The twist in force."""
         return self._twist
 
-    def feasible(self, wanted: Twist, gait: Gait, part: float = 1.0) -> Twist:
+    def feasible(self, wanted: Twist, gait: Gait, part: float = 1.0) -> Feasible:
         """Return what robot and gait can do of a twist, with strides that are a `part` of what they may be else."""
         # A command lasts for many ticks.
         asked = self._asked
         if asked is None or asked[0] is not wanted or asked[1] is not gait or asked[2] != part:
             self._asked = wanted, gait, part
-            self._feasible = feasible(wanted, self._limits, gait, part)
-        return self._feasible[0]
+            twist, scale = feasible(wanted, self._limits, gait, part)
+            self._feasible = Feasible(twist, scale, max(gait.foot_speeds(twist)))
+        return self._feasible
 
     def step(
         self, wanted: Twist, gait: Gait, dt: float, hold_back: float = 1.0, *, pushes: bool = True, part: float = 1.0,
@@ -90,9 +99,8 @@ class VelocityShaper:
         While no foot `pushes` the twist stays as it is, but for a stop, or feet that cannot follow. The robot may
         `brake` more firmly than it sets off. To a side it goes with an acceleration of `sideways`, m/s^2, at most.
         """
-        aim = self.feasible(wanted, gait, part)
-        scale = self._feasible[1]
-        aim = Twist(aim.vx * hold_back, aim.vy * hold_back, aim.wz * hold_back)
+        (vx, vy, wz), scale, _ = self.feasible(wanted, gait, part)
+        aim = Twist(vx * hold_back, vy * hold_back, wz * hold_back)
         now = self._twist
         held_back = hold_back < 1.0 and math.hypot(*aim[:2]) <= math.hypot(*now[:2]) and abs(aim.wz) <= abs(now.wz)
         if not pushes and not held_back and wanted != STILL:

@@ -69,7 +69,7 @@ class Walker:
         if self._sense is not None and wanted.legs and feel:
             lying = tilted(wanted.pose, tilt)
             up = up_in_base(lying.roll, lying.pitch)
-            felt = self._sense.step(joints, wanted.legs, up, dt, tuple(switches))
+            felt = self._sense.step(joints, wanted.legs, up, tuple(switches))
         pose = tilted(estimate.pose, tilt)
         stable = stability(centre, feet, wanted.planted, pose) if self._tells_stability else None
         return Estimate(pose, estimate.standing_feet, tilt, imu, estimate.feet, felt, tuple(switches)), stable

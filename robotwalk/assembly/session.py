@@ -202,7 +202,7 @@ def loop_of(
         switches=switches,
         walker=Walker(
             model, Controller(model, blueprint.gaits, blueprint.default_gait), blueprint.gaits,
-            FootSense(model, blueprint.drives, by_load=by_load) if feels else None),
+            FootSense(model, blueprint.drives, 1.0 / rate_hz, by_load=by_load) if feels else None),
         feedforward=Feedforward(blueprint.drives, lag=model.leads.lag, load=model.leads.load),
         end_stops=EndStops(
             [(joint.lower, joint.upper) for joint in model.joints], blueprint.drives, 1.0 / rate_hz),

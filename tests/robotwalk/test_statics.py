@@ -33,7 +33,7 @@ def potential(model: RobotModel, leg: Leg, angles: list[float], up: Vec3) -> flo
 
 
 def test_jacobian_and_weights_are_the_derivatives_of_foot_and_potential(model: RobotModel) -> None:
-    leg, up = model.legs[1], up_in_base(0.2, -0.3)
+    leg, up = model.legs[1], Vec3(*up_in_base(0.2, -0.3))
     angles = bent(leg)
     statics, _ = LegMasses(leg, model.foot_mass).statics(angles, up)
     assert statics.foot == pytest.approx(foot_position(leg, angles))
@@ -84,7 +84,7 @@ def test_a_robot_at_rest_bears_its_weight_and_a_seated_one_none(model: RobotMode
         statics = bearing.step(angles, LEVEL, model.heights.stand, planted, 0.01)
     assert sum(statics.loads) == pytest.approx(model.mass * GRAVITY)
     centre = centre_of_mass(model, angles)
-    moment = sum(load * (leg.foot.x - centre.x) for load, leg in zip(statics.loads, statics.legs, strict=True))
+    moment = sum(load * (leg.foot[0] - centre.x) for load, leg in zip(statics.loads, statics.legs, strict=True))
     assert moment == pytest.approx(0.0, abs=0.02)
     seated = bearing.step(angles, LEVEL, model.heights.sit, planted, 0.01)
     assert seated.loads == pytest.approx((0.0,) * len(planted))
