@@ -102,6 +102,10 @@ class Controller:
         self._steering = Steering()
         self._pose = self._body.pose
 
+    def halt(self) -> None:
+        """Set off anew with the next step: the body has come to rest, whatever it was to do."""
+        self._shaper.halt()
+
     def step(self, state: State, command: Command, estimate: Estimate, dt: float) -> Wanted:
         """Advance by `dt` s."""
         unfold = self._unfold

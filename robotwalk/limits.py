@@ -6,7 +6,7 @@ not a number is refused: the joint brakes and stays. So does a leg that would me
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from robotwalk.self_collision import SelfCollision
@@ -40,6 +40,13 @@ class Gate:
         self._speeds = [0.0] * len(self._limits)
         if self._collision is not None:
             self._collision.reset()
+
+    def take(self, found: Collection[int], positions: Sequence[float]) -> None:
+        """Go on from where some joints are, at rest: their servos never had the goals that they were sent last."""
+        goals = list(self._goals)
+        for index in found:
+            goals[index], self._speeds[index] = positions[index], 0.0
+        self._goals = goals
 
     def step(self, goals: Sequence[float], dt: float) -> tuple[float, ...]:
         """Return goals that may be sent, `dt` s after the last ones."""

@@ -275,8 +275,9 @@ class Loop:
         command = self._command
         if now - self._beaten_at > self._slow_after:
             command = command._replace(twist=STILL, heading=None)
-        state, command, holding, news, dead, fell = self._safety.step(
-            joints, self._goals, command, wanted, imu, self._grid.missed - self._missed)
+        reseeded = self._bus.reseeded
+        state, command, holding, news, dead, fell, waits = self._safety.step(
+            joints, self._goals, command, wanted, imu, self._grid.missed - self._missed, self._reentry.behind)
         self._missed = self._grid.missed
         if dead and self._regroup is not None:
             self._walker = self._regroup(dead)
@@ -284,11 +285,12 @@ class Loop:
         if fell:
             self._bus.soften(_SOFT)
             self._take_over(joints._replace(position=self._measured()))
-        wanted = self._walker.step(state, command, estimate, dt)
+        wanted = self._walker.step(state, command, estimate, dt, waits=waits)
         goals = self._reentry.step(
-            self._feedforward.step(wanted.angles, wanted.torques, dt), wanted.angles, joints, holding,
-            self._bus.reseeded, dt)
-        goals = self.gate.step(self._end_stops.step(goals, joints, self._bus.reseeded), dt)
+            self._feedforward.step(wanted.angles, wanted.torques, dt), wanted.angles, joints, holding, reseeded, dt)
+        if reseeded:
+            self.gate.take(reseeded, joints.position)
+        goals = self.gate.step(self._end_stops.step(goals, joints, reseeded), dt)
         self._wanted, self._goals = wanted, goals
         return Tick(now, state, joints, estimate, wanted, goals, stable, news)
 

@@ -11,18 +11,19 @@ from robotwalk.swing import way_made
 from robotwalk.types import JointState
 
 _SILENCE = 0.1  # s; after a shorter one a joint is about where its goal is
-_FASTEST = 1.0  # rad/s on the way back
+_FASTEST = 2.0  # rad/s on the way back
 _PEAK = 1.875  # the largest speed of a least-jerk motion over its mean
 _SHORTEST = 0.1  # s
+_BEHIND = 0.1  # rad off its target
 
 
 class _Blend:
     """What a joint is still off its target, and how it dies out."""
 
-    __slots__ = ("_elapsed", "_off", "_seconds")
+    __slots__ = ("_elapsed", "_off", "_seconds", "left")
 
     def __init__(self, off: float) -> None:
-        self._off = off  # rad
+        self._off = self.left = off  # rad
         self._elapsed = 0.0
         self._seconds = max(_PEAK * abs(off) / _FASTEST, _SHORTEST)
 
@@ -31,9 +32,9 @@ class _Blend:
         return self._elapsed >= self._seconds
 
     def step(self, dt: float) -> float:
-        left = self._off * (1.0 - way_made(self._elapsed / self._seconds))
+        self.left = self._off * (1.0 - way_made(self._elapsed / self._seconds))
         self._elapsed += dt
-        return left
+        return self.left
 
 
 class Reentry:
@@ -41,6 +42,11 @@ class Reentry:
 
     def __init__(self) -> None:
         self.reset(())
+
+    @property
+    def behind(self) -> tuple[int, ...]:
+        """The joints that are on their way, and far from their targets."""
+        return tuple([index for index, blend in self._blends.items() if abs(blend.left) > _BEHIND])
 
     def reset(self, positions: Sequence[float]) -> None:
         """Start from joints that hold their places."""

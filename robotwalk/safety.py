@@ -14,7 +14,7 @@ from robotwalk.model import RobotModel
 from robotwalk.overruns import Late, Overruns
 from robotwalk.ports import ServoBus
 from robotwalk.recovery import Recovery
-from robotwalk.stale_joints import StaleJoints
+from robotwalk.stale_joints import NOBODY, StaleJoints, Staleness
 from robotwalk.stuck_joints import StuckJoints
 from robotwalk.supervisor import State, Supervisor
 from robotwalk.types import STILL, Command, DriveResponse, ImuState, JointState, Twist
@@ -29,6 +29,7 @@ class Verdict(NamedTuple):
     news: tuple[tuple[str, str], ...] = ()  # what is worth an event: its kind, and what happened in words
     dead: frozenset[int] = frozenset()  # joints without whose legs the robot is to go on from now on
     fell: bool = False  # just now: every joint is to go on from where it is, softly
+    waits: bool = False  # the gait is to wait for joints
 
 
 class Safety:
@@ -67,7 +68,7 @@ class Safety:
 
     def step(
         self, joints: JointState, goals: Sequence[float], command: Command, wanted: Wanted,
-        imu: ImuState | None = None, missed: int = 0,
+        imu: ImuState | None = None, missed: int = 0, behind: Collection[int] = (),
     ) -> Verdict:
         """Look at what was measured, once a tick.
 
@@ -78,6 +79,7 @@ class Safety:
             wanted: by the controller, for these measurements.
             imu: as heard, if there is one.
             missed: ticks that were left out before this one.
+            behind: joints that are on their way back to where they are wanted.
         """
         late = self._overruns.step(missed)
         supervisor, governed, seated = self.supervisor, self._governor.step(), wanted.seated
@@ -108,9 +110,25 @@ class Safety:
             command = self._ease(command)
         elif late.slow:
             command = command._replace(twist=_slower(command.twist, self._config.overruns.pace))
+        waits = (bool(behind) or stale is not NOBODY) and self._waits(stale, behind, state)
         if stale.holding and state is not State.FAULT:
-            return Verdict(state, command._replace(twist=STILL, heading=None), stale.holding, news, dead)
-        return Verdict(state, command, news=news, dead=dead, fell=fell is not None)
+            return Verdict(state, command._replace(twist=STILL, heading=None), stale.holding, news, dead, waits=waits)
+        return Verdict(state, command, news=news, dead=dead, fell=fell is not None, waits=waits)
+
+    def _waits(self, stale: Staleness, behind: Collection[int], state: State) -> bool:
+        """Tell whether the gait has to wait: for legs that hear nothing, or are far from where they are wanted.
+
+        It does not wait for a single one, whose servo may have let go; nor, on its way down for a fault, for any that
+        may never be heard again.
+        """
+        if state is not State.FAULT and (stale.deaf or self._several(stale.holding)):
+            return True
+        recovery = self._recovery
+        return self._several([slot for slot in behind if slot not in recovery.patients and slot not in recovery.lost])
+
+    def _several(self, slots: Collection[int]) -> bool:
+        """Tell whether joints of more than one leg that takes part are among these."""
+        return len({self._limbs[slot] for slot in slots if slot not in self._out}) > 1
 
     def _find(self, silent: tuple[int, ...], joints: JointState) -> tuple[dict[int, str], str | None]:
         """Return whose servos may be helped, and what cannot be: why, in words."""
@@ -120,7 +138,7 @@ class Safety:
                 or f"joint {self._joints[slot]} has not answered for {joints.age[slot]:.2f} s"
                 for slot in sorted(silent, key=lambda slot: -joints.age[slot])}
         found = dict(self._silent)
-        if len(silent) > 1 and len({self._limbs[slot] for slot in silent}) > 1:
+        if len(silent) > 1 and self._several(silent):
             return {}, next(iter(found.values()))  # a wire is cut, or the power is off
         alerts = self._bus.alerts
         if self._out:

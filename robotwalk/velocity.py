@@ -80,6 +80,10 @@ class VelocityShaper:
         """The twist in force."""
         return self._twist
 
+    def halt(self) -> None:
+        """Be at rest."""
+        self._twist = STILL
+
     def feasible(self, wanted: Twist, gait: Gait, part: float = 1.0) -> Feasible:
         """Return what robot and gait can do of a twist, with strides that are a `part` of what they may be else."""
         # A command lasts for many ticks.

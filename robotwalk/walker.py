@@ -16,7 +16,9 @@ from robotwalk.stability import Stability, stability
 from robotwalk.statics import up_in_base
 from robotwalk.supervisor import State
 from robotwalk.support import Masses
-from robotwalk.types import Command, FootSwitch, ImuState, JointState, Pose, Tilt
+from robotwalk.types import STILL, Command, FootSwitch, ImuState, JointState, Pose, Tilt
+
+_EASING = 0.08  # s in which the gait comes to a halt, and in which it goes on
 
 
 class Part(NamedTuple):
@@ -42,7 +44,8 @@ class Walker:
         self._tells_stability = model.tells_stability
         self._sense = sense
         self._part = part
-        self._wanted = NOTHING_WANTED
+        self._wanted = self._told = NOTHING_WANTED  # of the legs that walk; of all joints
+        self._pace = 1.0  # of the gait's time
 
     def start(self, positions: Sequence[float], pose: Pose | None = None) -> None:
         """Take over joints that hold their places, rad; `pose` of the base in odom goes on, if it is known."""
@@ -53,6 +56,7 @@ class Walker:
         if self._part is not None:
             self._part.folded.start(positions)
         self._wanted = self._wanted._replace(planted=())
+        self._pace = 1.0
 
     def perceive(
         self, joints: JointState, imu: ImuState | None, switches: Sequence[FootSwitch], dt: float, *, feel: bool
@@ -74,18 +78,32 @@ class Walker:
         stable = stability(centre, feet, wanted.planted, pose) if self._tells_stability else None
         return Estimate(pose, estimate.standing_feet, tilt, imu, estimate.feet, felt, tuple(switches)), stable
 
-    def step(self, state: State, command: Command, estimate: Estimate, dt: float) -> Wanted:
-        """Advance by `dt` s; return what is wanted of all joints of the whole robot."""
+    def step(self, state: State, command: Command, estimate: Estimate, dt: float, *, waits: bool = False) -> Wanted:
+        """Advance by `dt` s; return what is wanted of all joints of the whole robot.
+
+        While the gait `waits` for joints its time slows down and stands still; then the robot sets off anew.
+        """
+        if waits or self._pace < 1.0:
+            change = dt / _EASING
+            self._pace = max(self._pace - change, 0.0) if waits else min(self._pace + change, 1.0)
+            if self._pace == 0.0:
+                self._controller.halt()
+                self._wanted = self._wanted._replace(twist=STILL)
+                self._told = self._told._replace(twist=STILL)
+                return self._told
+            dt *= self._pace
         if command.gait is not None and command.gait not in self._gaits:
             command = command._replace(gait=None)
         wanted = self._wanted = self._controller.step(state, command, estimate, dt)
         if self._part is None:
+            self._told = wanted
             return wanted
         angles = self._part.folded.step(dt)
         torques = [0.0] * len(angles)
         for slot, angle, torque in zip(self._part.slots, wanted.angles, wanted.torques, strict=True):
             angles[slot], torques[slot] = angle, torque
-        return wanted._replace(angles=angles, torques=torques)
+        self._told = wanted._replace(angles=angles, torques=torques)
+        return self._told
 
 
 def _part_of(joints: JointState, slots: Sequence[int]) -> JointState:
