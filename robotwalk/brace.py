@@ -1,7 +1,7 @@
 """Draws the body back while a foot finds no ground: another one may stand on the brink of the same hole.
 
-The centre of mass goes to where the robot would not tip if any one of its standing feet gave way. As long as the robot
-is about there, the body leans back, so that it is nearly there when the next foot finds nothing.
+The centre of mass goes to where the robot would not tip if any one of the feet ahead of it gave way. As long as the
+robot is about there, the body leans back, so that it is nearly there when the next foot finds nothing.
 """
 
 import math
@@ -35,13 +35,15 @@ def braced(falls: Footfalls, loads: Sequence[float], pose: Pose) -> Twist:
     borne = [(foot, load) for foot, load, stands in zip(falls.stood, loads, falls.planted, strict=True) if stands]
     total = sum(load for _, load in borne)
     obstacle = falls.giving_up is not None and falls.giving_up.kind == "obstacle"
-    if obstacle or len(borne) < _FEWEST or total <= 0.0:
+    if falls.void is None or obstacle or len(borne) < _FEWEST or total <= 0.0:
         return STILL
     x = sum(load * foot.x for foot, load in borne) / total
     y = sum(load * foot.y for foot, load in borne) / total
+    ahead_x, ahead_y = math.cos(falls.void), math.sin(falls.void)
     sides = [
         side._replace(bound=side.bound + _MARGIN)
-        for gone, _ in borne for side in support_polygon(foot for foot, _ in borne if foot is not gone)]
+        for gone, _ in borne if (gone.x - x) * ahead_x + (gone.y - y) * ahead_y > 0.0
+        for side in support_polygon(foot for foot, _ in borne if foot is not gone)]
     safe = nearest_inside(x, y, sides)
     if safe is None or math.dist(safe, (x, y)) < _THERE:
         return STILL

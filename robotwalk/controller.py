@@ -196,7 +196,7 @@ class Controller:
         brake = bool(self._cramped) and self._stance.fall_behind(self._cramped, course, now)
         if brake:
             share = 0.0
-        elif self._footfalls.searching:
+        elif self._footfalls.void is not None:
             brake, share = True, 1.0
             twist = braced(self._footfalls, self._loads, self._pose) if asked != STILL else STILL
         elif self._footfalls.deep:

@@ -5,6 +5,7 @@ import math
 from robotwalk.gait import Sector
 from robotwalk.model import Leg
 from robotwalk.plumb import Turn
+from robotwalk.proof import Doubt
 from robotwalk.search import Search
 from robotwalk.senses import Sense
 from robotwalk.swing import Swing
@@ -41,7 +42,7 @@ class Foot:
         landing_for: for how long it may still be on its last way down after its swing, as it lags behind, s.
         fell: whether nothing stopped it there.
         across: whether it stands beyond a ditch, into which it would step back.
-        doubted: whether the ground to which it is carried has to prove itself.
+        doubt: of the ground to which it is carried, if it has to prove itself.
         hindering: whether waiting for its turn would over-stretch it, and so holds the body back.
         borne_for: for how long it has been felt to stand since it was set down, s.
         lost_for: for how long it has stood without the load that it should bear, s.
@@ -65,8 +66,14 @@ class Foot:
         self.overdue = False
         self.lost_for = self.touched_for = self.borne_for = self.landing_for = 0.0
         self.felt_at = 0.0
-        self.found = self.hindering = self.recalled = self.fell = self.across = self.doubted = False
+        self.found = self.hindering = self.recalled = self.fell = self.across = False
+        self.doubt: Doubt | None = None
         self.off = _NOT_OFF
+
+    @property
+    def way(self) -> float:
+        """The way of its step, rad in odom."""
+        return math.atan2(self.target.y - self.stood.y, self.target.x - self.stood.x)
 
     def plant(self, place: Vec3) -> None:
         """Stand at `place`."""

@@ -5,11 +5,13 @@ and so does one that has lost what it stood on. Each surprise has all feet step 
 """
 
 import math
+from enum import Enum
 from random import Random
 
 from robotwalk.barriers import GivingUp
 from robotwalk.foot import Foot
 from robotwalk.gait import Sector
+from robotwalk.proof import BRINK
 from robotwalk.search import Phase, Search
 from robotwalk.senses import Sense
 from robotwalk.settings import ContactSettings
@@ -28,9 +30,6 @@ _FALLING = 0.08  # m/s downwards, at which a foot stands on nothing, whatever a 
 _THROUGH = 1.9e-3  # m below its goal that a foot swings if nothing stops it; as it swings back, it feigns a load
 _FOLLOWS = 0.05  # s in which a foot comes to where it was told to be, and is felt to stand there
 _BEARS = 0.07  # of the weight, on the average: it stands
-_PROOF = 0.2  # of the weight, that a foot has to bear before it stands where ground may end: off a corner it slips
-_STOPPED = 16e-3  # m above where it is sent: whatever it bears, it goes no deeper
-_ASIDE = 3e-3  # m that it may be beside where it is sent, while nothing is below it
 _LOST = 0.12  # of the weight, that a foot should bear of which nothing is felt: it has lost its ground
 _LOST_FOR = 0.12  # s of that; loads pass from foot to foot in less
 _STRUCK_FOR = 0.025  # s; gears with backlash jolt, too, but not for long
@@ -40,6 +39,14 @@ _CALMING = 0.9  # of that stays after each step without a surprise
 _BACK = 0.03  # m that a foot draws back when it is struck; more than it lags behind as it sets off again
 _LEAST_WAY = 0.01  # m; a shorter step has no way along which a foot could be held back
 _DRAWN_BACK = 0.25  # of a swing, in which it rises more than it goes ahead; by then it has drawn back
+
+
+class _Below(Enum):
+    """What a searching foot feels below it."""
+
+    NOTHING = "nothing"
+    SOMETHING = "something"  # it keeps still: ground stays, a jolt does not, and a brink gives way
+    GROUND = "ground"
 
 
 class Reflexes:
@@ -103,28 +110,12 @@ class Reflexes:
         if foot.landing_for > 0.0 and sense is not None:
             self._land(foot, search, sense, dt)
             return
-        touching = sense is not None and search.feels and sense.sure
-        foot.touched_for = foot.touched_for + dt if touching else 0.0
-        lasting = foot.touched_for >= search.sure_after
-        if sense is not None and search.averages:
-            touching = search.average(sense.push.z, dt) > _BEARS * self._weight or (touching and lasting)
-        elif foot.doubted and foot.swing is not None and sense is not None:
-            proven = search.average(sense.push.z, dt) > _PROOF * self._weight or (
-                sense.place.z - foot.place.z > _STOPPED)
-            touching = proven and search.feels and sense.touching and _held_from_below(foot, sense)
-        elif touching and not lasting:
-            return  # keep still: ground stays, a jolt does not
-        if sense is not None and touching:
-            self._be_surprised(abs(foot.target.z - sense.place.z) - _AS_FELT)
-            foot.across = search.across
-            # A foot that feels straight down is where it is told to be; one that swings lags behind.
-            if foot.swing is None:  # it stood, and stands again a little lower
-                foot.anchor(search.place)
+        if sense is not None:
+            below = self._below(foot, search, sense, dt)
+            if below is _Below.GROUND:
+                self._stand(foot, search, sense)
+            if below is not _Below.NOTHING:
                 return
-            (x, y, _), (_, _, z) = search.place, foot.target
-            off = sense.place.z - z
-            foot.anchor(Vec3(x, y, z if abs(off) <= _AS_FELT else z + off))
-            return
         foot.move(search.step(dt), dt)
         if search.done:
             foot.plant(foot.stood)
@@ -133,6 +124,36 @@ class Reflexes:
             assert foot.sector is not None
             foot.search, foot.share = None, foot.sector.length
             foot.rise(foot.place, foot.leg.lift + self.caution)
+
+    def _below(self, foot: Foot, search: Search, sense: Sense, dt: float) -> _Below:
+        """Return what a searching foot feels below it."""
+        touching = search.feels and sense.sure
+        foot.touched_for = foot.touched_for + dt if touching else 0.0
+        lasting = foot.touched_for >= search.sure_after
+        if search.averages:
+            bears = search.average(sense.push.z, dt) > _BEARS * self._weight
+            return _Below.GROUND if bears or (touching and lasting) else _Below.NOTHING
+        doubt = foot.doubt
+        if doubt is not None and foot.swing is not None:
+            felt, share = sense.place, search.average(sense.push.z, dt) / self._weight
+            lasting = search.rest.step(felt, doubt.slack, dt) >= doubt.rests_for
+            touching = search.feels and sense.touching and doubt.bears(share, foot.place, felt)
+        if not touching:
+            return _Below.NOTHING
+        return _Below.GROUND if lasting else _Below.SOMETHING
+
+    def _stand(self, foot: Foot, search: Search, sense: Sense) -> None:
+        """Have a searching foot stand where it found ground."""
+        felt = search.rest.place or sense.place
+        self._be_surprised(abs(foot.target.z - felt.z) - _AS_FELT)
+        foot.across = search.across
+        # A foot that feels straight down is where it is told to be; one that swings lags behind.
+        if foot.swing is None:  # it stood, and stands again a little lower
+            foot.anchor(search.place)
+            return
+        (x, y, _), (_, _, z) = search.place, foot.target
+        off = felt.z - z
+        foot.anchor(Vec3(x, y, z if abs(off) <= _AS_FELT else z + off))
 
     def _step_over(self, foot: Foot, sector: Sector, sense: Sense) -> None:
         """Draw a foot back from what it struck and carry it on higher; at last stand in front of it."""
@@ -152,7 +173,7 @@ class Reflexes:
     def _stands(self, foot: Foot, sense: Sense) -> bool:
         """Tell whether a foot at the end of its swing has met the ground that was expected there."""
         if self._contact.sure_after == 0.0:
-            return sense.touching
+            return sense.touching and foot.doubt is not BRINK
         foot.fell = foot.fell or sense.place.z - foot.place.z < -_THROUGH
         # What it meets may throw it off again, or a body that leans away: then one measurement has told of it.
         met = sense.touching or (foot.landing_for > 0.0 and sense.push.z > _FIRM * self._weight)
@@ -200,7 +221,9 @@ class Reflexes:
 
     def _search(self, foot: Foot, place: Vec3) -> None:
         """Begin a search at a place where there should have been ground."""
-        foot.search = Search(self._contact, foot.path, foot.leg.lift, foot.stood, place, self._random)
+        reach = foot.doubt.reach if foot.doubt is not None else math.inf
+        foot.search = Search(
+            self._contact, foot.path, foot.leg.lift, foot.stood, place, self._random, reach=reach)
 
 
 def _above(foot: Foot, sense: Sense) -> float:
@@ -208,15 +231,8 @@ def _above(foot: Foot, sense: Sense) -> float:
     return sense.place.z - foot.target.z
 
 
-def _held_from_below(foot: Foot, sense: Sense) -> bool:
-    """Tell whether what keeps a foot from where it is sent is below it: else its shin leans on an edge."""
-    x, y, z = sense.place
-    return z - foot.place.z + _ASIDE > math.hypot(x - foot.place.x, y - foot.place.y)
-
-
 def giving_up(foot: Foot) -> GivingUp | None:
     """Return what keeps a searching foot from going its way, if it has given up."""
     if foot.bumps > _BUMPS or (foot.search is not None and foot.search.gave_up and foot.bumps == 0):
-        way = math.atan2(foot.target.y - foot.stood.y, foot.target.x - foot.stood.x)
-        return GivingUp("obstacle" if foot.bumps else "edge", way)
+        return GivingUp("obstacle" if foot.bumps else "edge", foot.way)
     return None

@@ -10,6 +10,7 @@ from enum import Enum
 from random import Random
 
 from robotwalk.plumb import Turn
+from robotwalk.proof import Rest
 from robotwalk.settings import ContactSettings
 from robotwalk.swing import Swing
 from robotwalk.swing_paths import SwingPath
@@ -50,15 +51,20 @@ class Search:
         place: of its centre in odom, m.
         phase: what it does.
         done: whether it is back where it stood.
+        rest: where it rests, if it has to prove what it comes down on.
     """
 
     def __init__(self, settings: ContactSettings, path: SwingPath, lift: float, stood: Vec3, target: Vec3,
-                 random: Random) -> None:
-        """Begin at `target`, where there should have been ground; the foot `stood` somewhere before."""
+                 random: Random, *, reach: float) -> None:
+        """Begin at `target`, where there should have been ground; the foot `stood` somewhere before.
+
+        It feels for ground as far down as it can, but `reach` m at most.
+        """
         self.place = target
         self.phase = Phase.DOWN
         self.done = False
-        self._settings = settings
+        self.rest = Rest()
+        self._settings, self._reach = settings, min(settings.reach_down, reach)
         self._path, self._lift = path, lift
         self._stood, self._target = stood, target
         self._random = random
@@ -103,8 +109,7 @@ class Search:
 
     @property
     def _depth(self) -> float:
-        reach = self._settings.reach_down
-        return reach if self.phase is Phase.DOWN else min(reach, _PROBING_DEPTH)
+        return self._reach if self.phase is Phase.DOWN else min(self._reach, _PROBING_DEPTH)
 
     @property
     def gave_up(self) -> bool:

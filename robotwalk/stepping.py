@@ -18,6 +18,7 @@ from robotwalk.load_sharing import LoadSharing
 from robotwalk.model import Leg, RobotModel
 from robotwalk.orientation import GroundPlane
 from robotwalk.plumb import Turn
+from robotwalk.proof import BRINK, NEW_GROUND, Doubt
 from robotwalk.reflexes import Reflexes, giving_up
 from robotwalk.search import Phase
 from robotwalk.senses import Sense
@@ -40,7 +41,7 @@ class Footfalls(NamedTuple):
     stood: tuple[Vec3, ...]  # in odom, m: where each foot stands, or stood last
     late: bool  # some foot's swing goes on past its turn, or its lift-off waits: the needle has to wait, too
     deep: bool  # a foot found none where it was expected, and looks far below: the body waits
-    searching: bool  # nor there, and looks around or goes back: the body draws back
+    void: float | None  # nor there, and looks around or goes back: the way, rad in odom, from which the body draws back
     giving_up: GivingUp | None  # a foot that found no ground at all, or is held back
 
 
@@ -197,20 +198,22 @@ class Stepping:
         """Return the feet as they are."""
         feet = self._feet
         late = self._sharing is not None and self._sharing.waiting
-        deep = searching = False
+        deep = False
+        void: float | None = None
         gives_up: GivingUp | None = None
         for foot in feet:
             late = late or (foot.overdue and self._outlasts(foot))
             if foot.search is not None and foot.landing_for <= 0.0:
                 late, deep = True, deep or foot.search.deep
-                searching = searching or foot.search.phase is not Phase.DOWN
+                if foot.search.phase is not Phase.DOWN:
+                    void = foot.way
                 gives_up = gives_up or giving_up(foot)
         return Footfalls(
             tuple([foot.place for foot in feet]),
             tuple([foot.sector is None or foot.landing_for > 0.0 for foot in feet]),
             tuple([foot.target[:2] for foot in feet]),
             tuple([foot.stood for foot in feet]),
-            late, deep, searching, gives_up)
+            late, deep, void, gives_up)
 
     def _outlasts(self, foot: Foot) -> bool:
         """Tell whether the swing of a foot that is overdue outlasts its sector: the needle has to wait for it."""
@@ -241,12 +244,18 @@ class Stepping:
                 x, y = (ax, ay) if foot.across else (x, y)
             foot.target = Vec3(x, y, self._ground + plane.at(course, x, y))
             swing.retarget(Vec3(x, y, foot.target.z - _PRESS) if feels and not self._careful else foot.target)
-            foot.doubted = feels and (self._leads(foot) or (wary is not None and foot.leg.leads(wary - course.yaw)))
+            foot.doubt = self._doubt(foot, course, wary) if feels else None
         foot.move(swing.step(dt, seconds, up), dt)
         if foot.sense is not None and self._reflexes is not None:
             self._reflexes.feel(foot, swing, sector, foot.sense, dt)
         elif swing.progress >= 1.0:
             foot.plant(foot.target)
+
+    def _doubt(self, foot: Foot, course: Pose, wary: float | None) -> Doubt | None:
+        """Return what the ground has to prove to which a foot is carried; on its way back it has stood there."""
+        if wary is not None and foot.leg.leads(wary - course.yaw) and math.cos(foot.way - wary) > 0.0:
+            return BRINK
+        return NEW_GROUND if self._leads(foot) else None
 
     def _leads(self, foot: Foot) -> bool:
         """Tell whether a foot is carried farther than all others stand, or are being carried: to new ground."""

@@ -37,7 +37,7 @@ def test_it_climbs_stairs_that_a_blind_tripod_does_not() -> None:
     assert abs(report["heading_change_deg"]) < 15.0
 
 
-@pytest.mark.parametrize("lead_mm", [162, 192])  # a foot comes down beyond the corner, or on it
+@pytest.mark.parametrize("lead_mm", [159, 162, 187])  # a foot comes down on the corner, beyond it, or creeps off it
 def test_it_stops_at_a_precipice_and_stands(lead_mm: int, tmp_path: Path) -> None:
     edge = (lead_mm + 120) * 1e-3  # the body's front is 0.12 m ahead of its middle
     path = tmp_path / "edge.yaml"
