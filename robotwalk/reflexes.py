@@ -26,6 +26,7 @@ _BUMP = 0.1  # of the weight, that pushes a foot back on its way: it is struck
 _STEEP = 0.7  # of a load; pushed back by more than this, a foot would slip off what it struck
 _FIRM = 0.2  # of the weight; a leg that comes down in the air may feign half as much
 _FIRM_FOR = 0.015  # s
+_HARD = 0.5  # of the weight, which no leg feigns: it is struck, though it may go on downwards as the body tips away
 _FALLING = 0.08  # m/s downwards, at which a foot stands on nothing, whatever a leg that speeds up may feign
 _THROUGH = 1.9e-3  # m below its goal that a foot swings if nothing stops it; as it swings back, it feigns a load
 _FOLLOWS = 0.05  # s in which a foot comes to where it was told to be, and is felt to stand there
@@ -197,6 +198,8 @@ class Reflexes:
         if not sense.sure:
             foot.touched_for = 0.0
             return False
+        if sense.push.z > _HARD * self._weight:
+            return True
         z = sense.place.z
         fell, foot.felt_at = foot.felt_at - z, z
         foot.touched_for = foot.touched_for + dt if fell < _FALLING * dt or foot.touched_for == 0.0 else dt

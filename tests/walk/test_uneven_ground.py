@@ -21,10 +21,10 @@ def test_up_a_ramp_it_keeps_its_body_level() -> None:
 
 
 def test_on_uneven_ground_all_its_feet_bear() -> None:
-    report = rig.walk("quadruped", terrain="rough_15", speed=0.04, duration=24.0, gait="crawl", seed=1)
+    report = rig.walk("quadruped", terrain="rough_15", speed=0.04, duration=25.0, gait="crawl", seed=7)
     assert not report["fell"]
-    assert report["distance_m"] > 0.9 * 0.96
-    assert report["max_tilt_deg"] < 7.0  # 13.6 blind
+    assert report["distance_m"] > 0.9 * 1.0
+    assert report["max_tilt_deg"] < 6.5  # 8.2 while a foot that came down on a rise pressed on, and tipped the body
 
 
 def test_turning_on_flat_ground_it_feels_no_ground_that_is_not_there() -> None:
