@@ -18,8 +18,9 @@ _GIVE = 3e-3  # m/s per N beyond that
 _FASTEST = 0.04  # m/s
 _SMOOTHING = 0.1  # s; a jerk of the foot is itself felt as a load
 _FEWEST = 4  # feet, of which one may hang
-_LITTLE = 0.15  # of the weight; a foot that should bear less need not be felt
+_LITTLE = 0.15  # of the weight; a foot that should bear less need not be felt, once it was since it was set down
 _PATIENCE = 0.5  # s that a lift-off waits for the others in all
+_MADE_UP = 0.03  # s of that, for which the swing makes up: the needle goes on
 
 
 class LoadSharing:
@@ -30,7 +31,7 @@ class LoadSharing:
         self._lacks = [0.0] * feet  # N that each bears too little, averaged
         self._usual = _USUAL * weight
         self._little = _LITTLE * weight
-        self.waiting = False  # a lift-off did, in this tick
+        self.waiting = False  # a lift-off did, in this tick, and the needle has to
         self._waited_for = 0.0  # s
 
     def step(self, feet: Sequence[Foot], senses: Sequence[Sense | None], loads: Sequence[float], dt: float) -> None:
@@ -62,11 +63,12 @@ class LoadSharing:
     ) -> bool:
         """Tell whether a foot whose turn it is may lift off."""
         bear = all(
-            other is foot or other.sector is not None or sense is None or sense.touching or load < self._little
+            other is foot or other.sector is not None or sense is None or sense.touching
+            or (load < self._little and other.borne_for > 0.0)
             for other, sense, load in zip(feet, senses, loads, strict=True))
         if bear or self._waited_for >= _PATIENCE:
             self._waited_for = 0.0
             return True
         self._waited_for += dt
-        self.waiting = True
+        self.waiting = self._waited_for > _MADE_UP
         return False
