@@ -4,23 +4,26 @@
     sit     nearer, it sits down while it still can
 
 How near is a share of each servo's own limits (`safety: governor` of the robot's file). One joint is looked at in each
-tick, and only readings that are new count; each level takes several that agree. Currents ease only: a servo bears its
-largest one for a while.
+tick, and only readings that are new count; each level takes several that agree. Of a current it is the root mean square
+of a few seconds, which is what heats the windings: a leg draws much for moments of each step. Currents ease only: a
+servo bears its largest one for a while.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from robotwalk.agreement import Agreement
 from robotwalk.config.safety import GovernorConfig
-from robotwalk.types import ServoCondition
+from robotwalk.types import Measured, ServoCondition
 
+_NS = 1_000_000_000
 _AGREEING = 3  # readings of one servo
 _HYSTERESIS = 0.04  # of the limit, by which it must be better to be well again
 _WORDS = {
     "heat": "is at {:.0f} degC, and lets go at {:.0f}",
     "voltage": "gets {:.1f} V, and lets go below {:.1f}",
-    "current": "draws {:.1f} A, of {:.1f} at most",
+    "current": "draws {:.1f} A rms, of {:.1f} at most",
 }
 
 
@@ -69,6 +72,24 @@ class _Gauge:
             self.nearest.step(strain.beyond(strain.sit))
 
 
+class _MeanSquare:
+    """A current's, A^2, as it was of late."""
+
+    __slots__ = ("_over", "_since", "value")
+
+    def __init__(self, seconds: float) -> None:
+        self.value = 0.0
+        self._over = seconds * _NS
+        self._since: int | None = None
+
+    def step(self, current: Measured) -> float:
+        """Take a reading; return the root."""
+        passed = 0 if self._since is None else current.heard - self._since
+        self._since = current.heard
+        self.value += passed / (passed + self._over) * (current.value * current.value - self.value)
+        return math.sqrt(self.value)
+
+
 class Governor:
     """Governs one robot."""
 
@@ -82,6 +103,7 @@ class Governor:
         self._seen = [_UNSEEN] * len(self._joints)  # when each was last looked at
         self._next = 0
         self._gauges: list[dict[str, _Gauge]] = [{} for _ in self._joints]
+        self._currents = [_MeanSquare(config.current_over_s) for _ in self._joints]
         self._near: dict[tuple[str, str], None] = {}  # (joint, quantity), as an ordered set
         self._governed = WELL
 
@@ -95,7 +117,7 @@ class Governor:
         if condition is seen:
             return before
         self._seen[index] = condition
-        for quantity, strain in self._strains(condition, seen):
+        for quantity, strain in self._strains(condition, seen, self._currents[index]):
             gauge = self._gauges[index].get(quantity)
             if gauge is None:
                 if not strain.beyond(strain.ease):
@@ -119,7 +141,9 @@ class Governor:
         self._governed = before
         return before
 
-    def _strains(self, condition: ServoCondition, seen: ServoCondition) -> list[tuple[str, Strain]]:
+    def _strains(
+        self, condition: ServoCondition, seen: ServoCondition, square: _MeanSquare
+    ) -> list[tuple[str, Strain]]:
         """Return what a servo has told, since it was seen, of how near it is to its limits."""
         limits, config = condition.limits, self._config
         found = []
@@ -131,7 +155,7 @@ class Governor:
                 volts.value, limits.lowest_voltage, config.voltage_ease, config.voltage_sit, True)))
         if amperes is not None and limits.largest_current is not None and amperes is not seen.current:
             found.append(("current", Strain(
-                abs(amperes.value), limits.largest_current, config.current_ease, None, False)))
+                square.step(amperes), limits.largest_current, config.current_ease, None, False)))
         return found
 
 

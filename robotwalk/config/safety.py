@@ -30,7 +30,10 @@ class GovernorConfig(Section):
     heat_sit: _BelowOne = 0.95
     voltage_ease: _AboveOne = 1.10  # of the lowest voltage
     voltage_sit: _AboveOne = 1.04
-    current_ease: _BelowOne = 0.8
+    # Of the largest current, the root mean square of about so many seconds. Assumed: half of what an STS3215 draws at
+    # stall, 0.4 of its limit; no random walk of a bundled robot came to it, and a joint held fast does in 2 s.
+    current_ease: _BelowOne = 0.4
+    current_over_s: Positive = 4.0
     pace: Annotated[float, Field(gt=0, le=1)] = 0.5  # of the commanded speed, while it is eased
     lower: bool = True  # to its lowest height for walking, while it is eased
 

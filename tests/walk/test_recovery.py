@@ -102,7 +102,7 @@ def test_a_quadruped_goes_down_for_good_when_a_joint_is_stuck_and_tells_the_curr
         with pytest.raises(SafetyStop, match="joint lf_calf is stuck: it does not move as it is sent; torque is off"):
             walker.walk(vx=0.10, seconds=20.0)
     assert [event.text for event in walker.events if event.kind == "governor"] == [
-        "slower and lower, for the servo of lf_calf draws 2.6 A, of 3.3 at most"]
+        "slower and lower, for the servo of lf_calf draws 1.5 A rms, of 3.3 at most"]
     assert walker.torque_doubt is None
     assert bystander.largest_tilt() < 15.0
     assert bystander.fastest_drop() < 0.12
