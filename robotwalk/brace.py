@@ -1,6 +1,6 @@
 """Draws the body back while a foot finds no ground: another one may stand on the brink of the same hole.
 
-The centre of mass goes to where the robot would not tip if any one of the feet ahead of it gave way. As long as the
+The centre of mass goes to where the robot would not tip if any one of the feet on that side gave way. As long as the
 robot is about there, the body leans back, so that it is nearly there when the next foot finds nothing.
 """
 
@@ -39,10 +39,10 @@ def braced(falls: Footfalls, loads: Sequence[float], pose: Pose) -> Twist:
         return STILL
     x = sum(load * foot.x for foot, load in borne) / total
     y = sum(load * foot.y for foot, load in borne) / total
-    ahead_x, ahead_y = math.cos(falls.void), math.sin(falls.void)
+    void_x, void_y = falls.void[0] - x, falls.void[1] - y
     sides = [
         side._replace(bound=side.bound + _MARGIN)
-        for gone, _ in borne if (gone.x - x) * ahead_x + (gone.y - y) * ahead_y > 0.0
+        for gone, _ in borne if (gone.x - x) * void_x + (gone.y - y) * void_y > 0.0
         for side in support_polygon(foot for foot, _ in borne if foot is not gone)]
     safe = nearest_inside(x, y, sides)
     if safe is None or math.dist(safe, (x, y)) < _THERE:

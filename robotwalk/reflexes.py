@@ -147,7 +147,7 @@ class Reflexes:
         """Have a searching foot stand where it found ground."""
         felt = search.rest.place or sense.place
         self._be_surprised(abs(foot.target.z - felt.z) - _AS_FELT)
-        foot.across = search.across
+        foot.across = search.phase is Phase.ACROSS
         # A foot that feels straight down is where it is told to be; one that swings lags behind.
         if foot.swing is None:  # it stood, and stands again a little lower
             foot.anchor(search.place)
@@ -224,9 +224,7 @@ class Reflexes:
 
     def _search(self, foot: Foot, place: Vec3) -> None:
         """Begin a search at a place where there should have been ground."""
-        reach = foot.doubt.reach if foot.doubt is not None else math.inf
-        foot.search = Search(
-            self._contact, foot.path, foot.leg.lift, foot.stood, place, self._random, reach=reach)
+        foot.search = Search(self._contact, foot.path, foot.leg.lift, foot.stood, place, self._random, foot.doubt)
 
 
 def _above(foot: Foot, sense: Sense) -> float:

@@ -2,7 +2,7 @@
 
 It feels downwards; then one longer step ahead, across a ditch; then around, by seeded probes in circles that grow
 (Duerr 2001: stereotypic searching movements); then nearer to where it stood; at last it goes back there, where there
-was ground.
+was ground. Where another foot has found none before, it goes home soon: what it comes upon there may be the brink.
 """
 
 import math
@@ -10,7 +10,7 @@ from enum import Enum
 from random import Random
 
 from robotwalk.plumb import Turn
-from robotwalk.proof import Rest
+from robotwalk.proof import BRINK, Doubt, Rest
 from robotwalk.settings import ContactSettings
 from robotwalk.swing import Swing
 from robotwalk.swing_paths import SwingPath
@@ -39,6 +39,7 @@ class Phase(Enum):
     """What a searching foot does."""
 
     DOWN = "down"
+    ACROSS = "across"
     AROUND = "around"
     NEARER = "nearer"
     HOME = "home"
@@ -55,23 +56,25 @@ class Search:
     """
 
     def __init__(self, settings: ContactSettings, path: SwingPath, lift: float, stood: Vec3, target: Vec3,
-                 random: Random, *, reach: float) -> None:
+                 random: Random, doubt: Doubt | None) -> None:
         """Begin at `target`, where there should have been ground; the foot `stood` somewhere before.
 
-        It feels for ground as far down as it can, but `reach` m at most.
+        On a brink it feels less deep, once farther ahead, and goes home.
         """
         self.place = target
         self.phase = Phase.DOWN
         self.done = False
         self.rest = Rest()
-        self._settings, self._reach = settings, min(settings.reach_down, reach)
+        self._settings = settings
+        self._reach = settings.reach_down if doubt is None else min(settings.reach_down, doubt.reach)
+        self._brink = doubt is BRINK
         self._path, self._lift = path, lift
         self._stood, self._target = stood, target
         self._random = random
         self._speed = 0.0
         self._expected = target  # the place above the ground from where it feels down
         self._swing: Swing | None = None
-        self._probes: list[tuple[float, float]] = []  # still to come: m, and off the way, at most, rad
+        self._probes = list(_AROUND) if settings.search else []  # still to come: m, and off the way, at most, rad
         self._steady_for = _JOLT  # s since it last set off anew
         self._load = 0.0  # N, averaged
 
@@ -103,11 +106,6 @@ class Search:
         return self.phase is not Phase.DOWN or self._expected.z - self.place.z > _DEEP * self._settings.reach_down
 
     @property
-    def across(self) -> bool:
-        """Whether it probes one longer step ahead."""
-        return self.phase is Phase.AROUND and len(self._probes) == len(_AROUND)
-
-    @property
     def _depth(self) -> float:
         return self._reach if self.phase is Phase.DOWN else min(self._reach, _PROBING_DEPTH)
 
@@ -134,7 +132,7 @@ class Search:
             if self._expected.z - self.place.z >= self._depth:
                 self._give_up_below()
             return self.place
-        self.place = self._swing.step(dt, _PROBING if self.phase is Phase.AROUND else _STEPPING)
+        self.place = self._swing.step(dt, _PROBING if self.phase in (Phase.ACROSS, Phase.AROUND) else _STEPPING)
         if self._swing.progress >= 1.0:
             self._swing = None
             self._steady_for = self._speed = self._load = 0.0
@@ -145,23 +143,20 @@ class Search:
         """Go on elsewhere: around, then nearer, then home."""
         self._steady_for = 0.0
         if self.phase is Phase.DOWN and self._settings.search:
-            self.phase = Phase.AROUND
-            self._probes = [(_ACROSS, _ASTRAY), *_AROUND]
-            self._next_probe()
-        elif self.phase is Phase.AROUND:
-            self._next_probe()
-        elif self.phase is Phase.NEARER:
+            self.phase = Phase.ACROSS
+            self._probe(_ACROSS, _ASTRAY)
+        elif self._brink or self.phase is Phase.NEARER:
             self.phase = Phase.HOME
             self._go(self._stood)
+        elif self._probes:
+            self.phase = Phase.AROUND
+            self._probe(*self._probes.pop(0))
         else:
             self._step_nearer()
 
-    def _next_probe(self) -> None:
-        if not self._probes:
-            self._step_nearer()
-            return
+    def _probe(self, radius: float, off: float) -> None:
+        """Look so far from where ground was expected, m, about the way of the step or up to `off` rad beside it."""
         (ax, ay, _), (x, y, z) = self._stood, self._expected
-        radius, off = self._probes.pop(0)
         angle = math.atan2(y - ay, x - ax) + self._random.uniform(-off, off)
         self._swing = Swing(self._path, _PROBING_LIFT + z - self.place.z, self.place)
         self._swing.retarget(Vec3(x + radius * math.cos(angle), y + radius * math.sin(angle), z))

@@ -41,7 +41,7 @@ class Footfalls(NamedTuple):
     stood: tuple[Vec3, ...]  # in odom, m: where each foot stands, or stood last
     late: bool  # some foot's swing goes on past its turn, or its lift-off waits: the needle has to wait, too
     deep: bool  # a foot found none where it was expected, and looks far below: the body waits
-    void: float | None  # nor there, and looks around or goes back: the way, rad in odom, from which the body draws back
+    void: tuple[float, float] | None  # in odom, m: nor there, and looks around or goes back: the body draws back
     giving_up: GivingUp | None  # a foot that found no ground at all, or is held back
 
 
@@ -199,14 +199,14 @@ class Stepping:
         feet = self._feet
         late = self._sharing is not None and self._sharing.waiting
         deep = False
-        void: float | None = None
+        void: tuple[float, float] | None = None
         gives_up: GivingUp | None = None
         for foot in feet:
             late = late or (foot.overdue and self._outlasts(foot))
             if foot.search is not None and foot.landing_for <= 0.0:
                 late, deep = True, deep or foot.search.deep
                 if foot.search.phase is not Phase.DOWN:
-                    void = foot.way
+                    void = foot.target[:2]
                 gives_up = gives_up or giving_up(foot)
         return Footfalls(
             tuple([foot.place for foot in feet]),
