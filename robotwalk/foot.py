@@ -41,7 +41,6 @@ class Foot:
         recalled: whether it is to step back to rest, wherever it was told to stand.
         landing_for: for how long it may still be on its last way down after its swing, as it lags behind, s.
         fell: whether nothing stopped it there.
-        across: whether it stands beyond a ditch, into which it would step back.
         doubt: of the ground to which it is carried, if it has to prove itself.
         hindering: whether waiting for its turn would over-stretch it, and so holds the body back.
         borne_for: for how long it has been felt to stand since it was set down, s.
@@ -66,7 +65,7 @@ class Foot:
         self.overdue = False
         self.lost_for = self.touched_for = self.borne_for = self.landing_for = 0.0
         self.felt_at = 0.0
-        self.found = self.hindering = self.recalled = self.fell = self.across = False
+        self.found = self.hindering = self.recalled = self.fell = False
         self.doubt: Doubt | None = None
         self.off = _NOT_OFF
 

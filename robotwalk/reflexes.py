@@ -147,7 +147,6 @@ class Reflexes:
         """Have a searching foot stand where it found ground."""
         felt = search.rest.place or sense.place
         self._be_surprised(abs(foot.target.z - felt.z) - _AS_FELT)
-        foot.across = search.phase is Phase.ACROSS
         # A foot that feels straight down is where it is told to be; one that swings lags behind.
         if foot.swing is None:  # it stood, and stands again a little lower
             foot.anchor(search.place)

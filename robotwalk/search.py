@@ -1,8 +1,8 @@
 """What a foot does that found no ground where it was to touch down (ARTH sections 5.4 and 6.2).
 
-It feels downwards; then one longer step ahead, across a ditch; then around, by seeded probes in circles that grow
-(Duerr 2001: stereotypic searching movements); then nearer to where it stood; at last it goes back there, where there
-was ground. Where another foot has found none before, it goes home soon: what it comes upon there may be the brink.
+It feels downwards; then around, by seeded probes in circles that grow (Duerr 2001: stereotypic searching movements);
+then nearer to where it stood; at last it goes back there, where there was ground. Where another foot has found none
+before, it goes home at once: what it would come upon may be the brink.
 """
 
 import math
@@ -20,11 +20,9 @@ _FASTEST = 0.10  # m/s downwards; how deep a foot presses into what it finds in 
 _CAREFUL = 0.06  # m/s downwards, of a foot that has to be sure
 _GENTLE = 1.5  # m/s^2
 _JOLT = 0.08  # s
-_ACROSS = 0.05  # m, the first probe: ahead, for what it looks into may be a ditch
-_ASTRAY = math.radians(10.0)  # of it, at most
 _CIRCLES = (0.015, 0.030)  # m
 _PROBES = 2  # in each circle
-_AROUND = [(radius, math.pi) for radius in _CIRCLES for _ in range(_PROBES)]
+_AROUND = [radius for radius in _CIRCLES for _ in range(_PROBES)]
 _PROBING_LIFT = 0.015  # m
 _PROBING_DEPTH = 0.012  # m below where ground was expected: a shin deep down would lean on the edge that it came over
 _DEEP = 0.5  # of its reach, deeper than which the foot goes down no small step
@@ -39,7 +37,6 @@ class Phase(Enum):
     """What a searching foot does."""
 
     DOWN = "down"
-    ACROSS = "across"
     AROUND = "around"
     NEARER = "nearer"
     HOME = "home"
@@ -59,7 +56,7 @@ class Search:
                  random: Random, doubt: Doubt | None) -> None:
         """Begin at `target`, where there should have been ground; the foot `stood` somewhere before.
 
-        On a brink it feels less deep, once farther ahead, and goes home.
+        On a brink it feels less deep, and goes home.
         """
         self.place = target
         self.phase = Phase.DOWN
@@ -74,7 +71,7 @@ class Search:
         self._speed = 0.0
         self._expected = target  # the place above the ground from where it feels down
         self._swing: Swing | None = None
-        self._probes = list(_AROUND) if settings.search else []  # still to come: m, and off the way, at most, rad
+        self._probes = list(_AROUND) if settings.search and doubt is not BRINK else []  # still to come: their radii, m
         self._steady_for = _JOLT  # s since it last set off anew
         self._load = 0.0  # N, averaged
 
@@ -132,7 +129,7 @@ class Search:
             if self._expected.z - self.place.z >= self._depth:
                 self._give_up_below()
             return self.place
-        self.place = self._swing.step(dt, _PROBING if self.phase in (Phase.ACROSS, Phase.AROUND) else _STEPPING)
+        self.place = self._swing.step(dt, _PROBING if self.phase is Phase.AROUND else _STEPPING)
         if self._swing.progress >= 1.0:
             self._swing = None
             self._steady_for = self._speed = self._load = 0.0
@@ -142,22 +139,19 @@ class Search:
     def _give_up_below(self) -> None:
         """Go on elsewhere: around, then nearer, then home."""
         self._steady_for = 0.0
-        if self.phase is Phase.DOWN and self._settings.search:
-            self.phase = Phase.ACROSS
-            self._probe(_ACROSS, _ASTRAY)
+        if self._probes:
+            self.phase = Phase.AROUND
+            self._probe(self._probes.pop(0))
         elif self._brink or self.phase is Phase.NEARER:
             self.phase = Phase.HOME
             self._go(self._stood)
-        elif self._probes:
-            self.phase = Phase.AROUND
-            self._probe(*self._probes.pop(0))
         else:
             self._step_nearer()
 
-    def _probe(self, radius: float, off: float) -> None:
-        """Look so far from where ground was expected, m, about the way of the step or up to `off` rad beside it."""
-        (ax, ay, _), (x, y, z) = self._stood, self._expected
-        angle = math.atan2(y - ay, x - ax) + self._random.uniform(-off, off)
+    def _probe(self, radius: float) -> None:
+        """Look so far around, m, from where ground was expected."""
+        x, y, z = self._expected
+        angle = self._random.uniform(-math.pi, math.pi)
         self._swing = Swing(self._path, _PROBING_LIFT + z - self.place.z, self.place)
         self._swing.retarget(Vec3(x + radius * math.cos(angle), y + radius * math.sin(angle), z))
 

@@ -238,10 +238,6 @@ class Stepping:
                 x, y = clock.gait.free.footprint(index, foot.leg, course, twist, remaining)
             else:
                 x, y = footprint(foot.leg, course, twist, remaining + 0.5 * sector.stance * clock.period)
-            if foot.across:
-                way, (ax, ay, _) = course.yaw + math.atan2(twist.vy, twist.vx), foot.stood
-                foot.across = (x - ax) * math.cos(way) + (y - ay) * math.sin(way) < 0.0
-                x, y = (ax, ay) if foot.across else (x, y)
             foot.target = Vec3(x, y, self._ground + plane.at(course, x, y))
             swing.retarget(Vec3(x, y, foot.target.z - _PRESS) if feels and not self._careful else foot.target)
             foot.doubt = self._doubt(foot, course, wary) if feels else None
