@@ -1,8 +1,8 @@
 """What a foot does that found no ground where it was to touch down (ARTH sections 5.4 and 6.2).
 
-It feels downwards; then around, by seeded probes in circles that grow (Duerr 2001: stereotypic searching movements);
-then nearer to where it stood; at last it goes back there, where there was ground. Where another foot has found none
-before, it goes home at once: what it would come upon may be the brink.
+It feels downwards; then around, by seeded probes in circles that grow (Duerr 2001: stereotypic searching movements),
+or, if it is not to look around, nearer to where it stood; at last it goes back there, where there was ground. Where
+another foot has found none before, it goes home at once: what it would come upon may be the brink.
 """
 
 import math
@@ -137,12 +137,12 @@ class Search:
         return self.place
 
     def _give_up_below(self) -> None:
-        """Go on elsewhere: around, then nearer, then home."""
+        """Go on elsewhere: around, or nearer, then home."""
         self._steady_for = 0.0
         if self._probes:
             self.phase = Phase.AROUND
             self._probe(self._probes.pop(0))
-        elif self._brink or self.phase is Phase.NEARER:
+        elif self._brink or self.phase is not Phase.DOWN:
             self.phase = Phase.HOME
             self._go(self._stood)
         else:
