@@ -2,7 +2,8 @@
 
 A posture must leave each foot room for a part of its stride, no joint near its limits, and the centre of mass where
 the gait has it: well within the feet that stand, or no farther from their line than without the posture, for a gait
-that is balanced only by its motion has nothing to spare.
+that is balanced only by its motion has nothing to spare. One that rocks the body has it level and no higher than usual:
+rocked while it leaned, or higher up, it fell over.
 """
 
 import math
@@ -69,6 +70,10 @@ class Bearable:
             self._sway = max(map(self._sway_of, gaits), default=0.0)
             while self._sway > _NO_SWAY and not self._reaches(self._start, self._spare):
                 self._sway *= 0.5
+            if any(gait.rocking > 0.0 for gait in gaits):
+                usual = self._model.heights.stand
+                height = min(height, usual)
+                posture = LEVEL._replace(z=min(posture.z, usual - height))
             share = _largest(lambda share: self._holds(_shifted(posture, share), gaits))
             self._aim = Carriage(height, _shifted(posture, share), MOST_ROOM)
             self._step, self._widening = 1.0, 1.0

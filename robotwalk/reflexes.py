@@ -223,7 +223,9 @@ class Reflexes:
 
     def _search(self, foot: Foot, place: Vec3) -> None:
         """Begin a search at a place where there should have been ground."""
-        foot.search = Search(self._contact, foot.path, foot.leg.lift, foot.stood, place, self._random, foot.doubt)
+        foot.search = Search(
+            self._contact, foot.path, foot.leg.lift, foot.stood, place, self._random, foot.doubt,
+            held_back=foot.bumps > _BUMPS)
 
 
 def _above(foot: Foot, sense: Sense) -> float:

@@ -44,6 +44,7 @@ class Rocking:
         self._rate = 0.0  # rad/s, w
         self._share = Ramp(0.0, 1.0, _ENTRY)
         self._gait: Gait | None = None
+        self._active = False  # in the last tick
         self._pressures: list[_Pressure] = []
         self._shift = (0.0, 0.0)  # m
         # What is left of the shift of the gait before.
@@ -61,7 +62,8 @@ class Rocking:
             return pose
         self._rate = math.sqrt(_GRAVITY / (height + self._centre.z))
         share = self._share.step(wanted, dt)
-        if clock.gait is not self._gait:
+        sets_off, self._active = active and not self._active, active
+        if sets_off or clock.gait is not self._gait:  # the needle may have been turned back to where it begins
             self._gait, self._pressures = clock.gait, self._pressures_of(clock.gait)
             x, y = self._ideal(clock)
             self._rest_x = Ramp(self._shift[0] - share * x, _RETURN)

@@ -167,7 +167,7 @@ class Safety:
         if self.supervisor.state is not State.WALK:
             self._stuck.reset()
             return ()
-        stuck = self._stuck.step(goals, wanted.torques, joints)
+        stuck = tuple(slot for slot in self._stuck.step(goals, wanted.torques, joints) if slot not in self._out)
         for slot in stuck:
             patients.setdefault(slot, f"joint {self._joints[slot]} is stuck: it does not move as it is sent")
         return stuck

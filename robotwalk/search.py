@@ -1,8 +1,8 @@
 """What a foot does that found no ground where it was to touch down (ARTH sections 5.4 and 6.2).
 
 It feels downwards; then around, by seeded probes in circles that grow (Duerr 2001: stereotypic searching movements),
-or, if it is not to look around, nearer to where it stood; at last it goes back there, where there was ground. Where
-another foot has found none before, it goes home at once: what it would come upon may be the brink.
+or, if it is not to look around or was held back, nearer to where it stood; at last it goes back there, where there
+was ground. Where another foot has found none before, it goes home at once: what it would come upon may be the brink.
 """
 
 import math
@@ -53,10 +53,10 @@ class Search:
     """
 
     def __init__(self, settings: ContactSettings, path: SwingPath, lift: float, stood: Vec3, target: Vec3,
-                 random: Random, doubt: Doubt | None) -> None:
+                 random: Random, doubt: Doubt | None, *, held_back: bool) -> None:
         """Begin at `target`, where there should have been ground; the foot `stood` somewhere before.
 
-        On a brink it feels less deep, and goes home.
+        On a brink it feels less deep, and goes home. One that was held back on its way does not look around.
         """
         self.place = target
         self.phase = Phase.DOWN
@@ -71,7 +71,8 @@ class Search:
         self._speed = 0.0
         self._expected = target  # the place above the ground from where it feels down
         self._swing: Swing | None = None
-        self._probes = list(_AROUND) if settings.search and doubt is not BRINK else []  # still to come: their radii, m
+        around = settings.search and doubt is not BRINK and not held_back
+        self._probes = list(_AROUND) if around else []  # still to come: their radii, m
         self._steady_for = _JOLT  # s since it last set off anew
         self._load = 0.0  # N, averaged
 

@@ -59,7 +59,7 @@ def test_a_walk_under_a_load_is_eased_for_the_current_that_takes_and_is_well_aga
     simulation = assembly.simulate("quadruped")
     bystander = Bystander(simulation)
     ticks: list[Tick] = []
-    burden = Burden(simulation, newtons=60.0, since=5.0, until=10.0)
+    burden = Burden(simulation, newtons=62.0, since=5.0, until=10.0)
     with simulation.robot as walker:
         walker.stand()
         walker.observers.extend([ticks.append, burden])
