@@ -3,7 +3,8 @@
 Each minute the robot does two of the soak's random command sequences and a straight way, while something goes wrong
 every seven seconds; then it stands, nothing ails it, and is measured. The black box runs, as it does on a real robot.
 The exit code is 1 if memory grew by more than 1 MB after the first five minutes, if the height of the standing body
-drifted, if a joint was beyond its limits, or if the robot fell or stopped for its safety.
+drifted, if a joint was beyond its limits, or one, limp even, deep in its stop, or if the robot fell or stopped for its
+safety.
 """
 
 import argparse
@@ -54,6 +55,7 @@ class Ended(NamedTuple):
     stopped: str | None
     joint: Worst  # rad beyond its limits, the farthest; below 0 within
     beyond: dict[str, tuple[float, float]]  # deg and s, by joints whose servos held or moved them
+    past_stops: dict[str, tuple[float, float]]  # the same, by limp joints too
     distance: float  # m, the body's way over the ground
     wall: float  # s
 
@@ -124,7 +126,7 @@ class Hour:
         joints = self._watch
         return Ended(
             self._minutes, self._faults, Counter(event.kind for event in robot.events), self._falls, stopped,
-            joints.worst, joints.beyond | joints.past_stops, self._way, time.perf_counter() - began)
+            joints.worst, joints.beyond, joints.past_stops, self._way, time.perf_counter() - began)
 
     def _minute(self, number: int) -> None:
         robot, blueprint = self._simulation.robot, self._simulation.blueprint
@@ -177,6 +179,8 @@ def complaints(ended: Ended) -> list[str]:
         found.append(f"fell {ended.fell} times")
     if ended.beyond:
         found.append(f"joints beyond their limits, deg and s: {ended.beyond}")
+    if ended.past_stops:
+        found.append(f"joints pressed into their stops, deg beyond their limits and s: {ended.past_stops}")
     warm = [minute for minute in ended.minutes if minute.t >= WARM]
     if warm and max(minute.resident for minute in warm) - warm[0].resident > MOST_GROWTH:
         found.append(f"memory grew by more than {MOST_GROWTH / 1e6:.0f} MB")
