@@ -20,8 +20,8 @@ app = App(name="service", help="Have this computer offer the robot to drivers af
 
 @app.command
 def install(
-    robot: RobotName, /, *, listen: str = "127.0.0.1:8765", user: str | None = None, dry_run: Flag = False,
-    json: Json = False,
+    robot: RobotName | None = None, /, *, listen: str = "127.0.0.1:8765", user: str | None = None,
+    dry_run: Flag = False, json: Json = False,
 ) -> None:
     """Write a systemd unit and a udev rule; as root. The robot sits, torque off, until a driver says stand.
 
@@ -32,8 +32,12 @@ def install(
     user
         Whose rights it has. Default: who says this, or who said sudo.
     dry_run
-        Print both, and write nothing.
+        Print both, and write nothing; for the hexapod, if no robot is named.
     """
+    if robot is None:
+        if not dry_run:
+            raise UsageError("name the robot that this computer shall offer: robotwalk service install ROBOT")
+        robot = "hexapod"
     blueprint = assembly.load(robot, calibrated=True)
     named = str(Path(robot).resolve()) if Path(robot).suffix in (".yaml", ".yml") else robot
     hardware = blueprint.hardware

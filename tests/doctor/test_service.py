@@ -66,6 +66,9 @@ def test_a_dry_run_prints_both_and_writes_nothing(robotwalk: Run) -> None:
     assert not Path(unit["path"]).exists()
     assert not Path(rule["path"]).exists()
     assert robotwalk("service", "install", "--dry-run", "hexapud").code == 2
+    assert "robotwalk-hexapod.service" in robotwalk("service", "install", "--dry-run").out
+    nameless = robotwalk("service", "install")
+    assert (nameless.code, "name the robot" in nameless.err) == (2, True)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write")
